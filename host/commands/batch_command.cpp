@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -250,6 +251,9 @@ Result<int> run(const BatchOptions& options) {
 int run_batch(const BatchOptions& options) {
   if (!options.merge.empty()) return run_merge(options);
   if (options.out.empty()) return bad_input("batch: --out is required");
+  if (options.frames && !options.calibration.empty())
+    return bad_input(
+        "batch: --frames keeps the calibration that the frames were digitized with; leave --calibration out");
   const auto status = run(options);
   return status ? *status : bad_input("batch: " + status.error().message);
 }

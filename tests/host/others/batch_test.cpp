@@ -199,6 +199,9 @@ TEST(Batch, GivesASessionThatCannotBeReadARowWithItsReason) {
 TEST(Batch, RefusesWhatItCannotDo) {
   check_refused(run({"--out", out / "a"}, 2), "batch: no session is given");
   check_refused(run_both("a", {"--shard", "3/2"}, 2), "batch: --shard 3/2: must be I/N, 1/8 to 8/8");
+  check_refused(
+      run_both("a", {"--frames", "--calibration", "camera.toml"}, 2),
+      "batch: --frames keeps the calibration that the frames were digitized with; leave --calibration out");
   const auto no_rig = run_both("a", {"--rig", out / "none.toml"}, 2);
   STRCMP_CONTAINS("none.toml", no_rig.err.c_str());
 }
