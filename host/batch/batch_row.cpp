@@ -56,6 +56,7 @@ Result<BatchShot> batch_shot(const StoredShot& shot, const BatchSettings& settin
   const Digitization* newest = shot.digitizations.empty() ? nullptr : &shot.digitizations.back();
   if (newest) job.source = RowSource::stored_frame;
   if (!shot.photograph || settings.stored_frames) return job;
+  if (newest && newest->by_hand && newest->corrections.empty()) return job;  // a person measured all of it
   job.source = RowSource::photograph;
   if (!newest || newest->corrections.empty()) return job;
   auto text = config::read_file(newest->corrections.string());

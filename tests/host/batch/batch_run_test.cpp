@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/archive/read_session.hpp"
+#include "host/archive/results_table.hpp"
 #include "host/session/results_csv.hpp"
 #include "tests/host/archive/written_session.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -100,7 +101,9 @@ TEST(BatchRun, GivesTheRowsThatTheSessionsThemselvesHave) {
     LONGS_EQUAL(kShots, stored->shots.size());
     const std::string table = testing::read_text(folder / "out" / (session.name + ".csv"));
     for (const auto& shot : stored->shots)
-      STRCMP_CONTAINS(host::results_line(shot.result, shot.utc).c_str(), table.c_str());
+      STRCMP_CONTAINS(
+          host::results_line(shot.result, shot.utc, shot.name, host::digitization_word(shot)).c_str(),
+          table.c_str());
   }
 }
 

@@ -105,6 +105,14 @@ TEST(Batch, MeasuresEveryKeptPhotographWithNumbersThatTheSceneHas) {
   CHECK_TRUE(fs::exists(out / "a/results.csv-metadata.json"));
 }
 
+TEST(Batch, PrintsEveryColumn) {
+  const auto finished = run({stored().path() / "tuesday", "--out", out / "a", "--json"});
+  const auto row = testing::parse_json_lines(finished.out).at(0);
+  for (const std::string& column : testing::read_csv(out / "a/results.csv").columns)
+    CHECK_TEXT(row.contains(column), column.c_str());
+  CHECK_TRUE(row.at("e").is_number());
+}
+
 TEST(Batch, GivesTheSameBytesWithOneJobAndWithTwo) {
   run_both("one", {"--jobs", "1"});
   run_both("two", {"--jobs", "2"});
