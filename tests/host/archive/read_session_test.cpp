@@ -203,6 +203,7 @@ TEST(ReadSession, HasTheShotsThatNobodySawTheEndOf) {
 
 TEST(ReadSession, HasTheReadoutThatALaterRunToldOfAShot) {
   auto run = begin(5, 0);
+  run->mono_ns = 5'000'600'000'000;  // the shutter of a synthetic shot has closed by then
   run->heartbeat();
   run->arm_and_fire();
   run->started(1);
