@@ -114,6 +114,10 @@ void add_board(CLI::App& app, BoardOptions& o) {
       "photograph with camera, place and where each point of the board truly is.\n\n"
       "Example: strobe-sim board --spacing-mm 25 --lens -0.2 0.1 0 0 --slanted 4 --out boards");
   board->add_option("--out", o.folder, "Folder for the photographs, made if missing")->required();
+  board->add_option(
+      "--scene", o.scene,
+      "Whose camera sees the board, in the balls' plane: a name or a file; otherwise the camera is "
+      "given by options");
   board->add_option("--board", o.board, "What is printed")
       ->check(CLI::IsMember({"chessboard", "circles", "staggered"}))
       ->capture_default_str();

@@ -7,7 +7,9 @@
 
 #include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
+#include "sim/loading/scene_files.hpp"
 #include "sim/photograph/board.hpp"
+#include "sim/photograph/board_view.hpp"
 #include "sim/photograph/photograph_file.hpp"
 
 namespace strobe::sim {
@@ -16,17 +18,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-BoardCamera camera_of(const BoardOptions& options) {
-  BoardCamera camera;
+BoardView view_by_options(const BoardOptions& options) {
+  BoardView view;
+  BoardCamera& camera = view.camera;
   camera.width_px = options.width_px;
   camera.height_px = options.height_px;
   camera.focal_px = options.focal_px;
   std::copy(options.lens.begin(), options.lens.end(), camera.lens.begin());
   camera.lens_aside_px = {options.lens_aside_px[0], options.lens_aside_px[1]};
-  camera.blur_px = options.blur_px;
-  camera.noise = options.noise;
-  camera.bits = options.bits;
-  return camera;
+  view.place.distance_m = options.distance_m;
+  return view;
+}
+
+Result<BoardView> view_of(const BoardOptions& options) {
+  BoardView view = view_by_options(options);
+  if (!options.scene.empty()) {
+    const auto scene = load_scene(options.scene);
+    if (!scene) return tl::unexpected(scene.error());
+    view = board_view(*scene);
+  }
+  view.camera.blur_px = options.blur_px;
+  view.camera.noise = options.noise;
+  view.camera.bits = options.bits;
+  return view;
 }
 
 Board board_of(const BoardOptions& options) {
@@ -37,9 +51,7 @@ Board board_of(const BoardOptions& options) {
 }
 
 /// The board as stated, then slanted about the four directions that calibrations ask for.
-BoardPlace place_of(const BoardOptions& options, int index) {
-  BoardPlace place;
-  place.distance_m = options.distance_m;
+BoardPlace place_of(const BoardOptions& options, BoardPlace place, int index) {
   if (index > 0) {
     constexpr double kSlant_deg = 25.0;
     constexpr std::array<std::array<double, 2>, 4> kSlants{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
@@ -47,7 +59,8 @@ BoardPlace place_of(const BoardOptions& options, int index) {
     place.turns_deg = {kSlant_deg * slant[0], kSlant_deg * slant[1], 5.0 * index};
     return place;
   }
-  place.aside_m = {options.aside_mm[0] * 1e-3, options.aside_mm[1] * 1e-3};
+  place.aside_m[0] += options.aside_mm[0] * 1e-3;
+  place.aside_m[1] += options.aside_mm[1] * 1e-3;
   place.turns_deg = {options.turns_deg[0], options.turns_deg[1], options.turns_deg[2]};
   return place;
 }
@@ -55,23 +68,24 @@ BoardPlace place_of(const BoardOptions& options, int index) {
 }  // namespace
 
 int board_command(const BoardOptions& options) {
+  const auto view = view_of(options);
+  if (!view) return report_error(view.error().message, 2);
   std::error_code error;
   fs::create_directories(options.folder, error);
   const fs::path truth_path = fs::path(options.folder) / "truth.jsonl";
   std::ofstream truth(truth_path);
   if (!truth) return report_error(truth_path.string() + ": cannot be written", 2);
-  const BoardCamera camera = camera_of(options);
   const Board board = board_of(options);
   for (int i = 0; i <= options.slanted; ++i) {
     const std::string name = i == 0 ? "plane.tif" : fmt::format("slanted_{}.tif", i);
-    const BoardPlace place = place_of(options, i);
+    const BoardPlace place = place_of(options, view->place, i);
     const auto seed = options.seed + static_cast<std::uint64_t>(i);
-    const BoardPhotograph photograph = photograph_board(camera, board, place, seed);
+    const BoardPhotograph photograph = photograph_board(view->camera, board, place, seed);
     if (const auto written =
             write_photograph(fs::path(options.folder) / name, photograph.pixels, PhotographFormat::tiff);
         !written)
       return report_error(written.error().message, 1);
-    const std::string line = board_truth_json(camera, board, place, photograph, name);
+    const std::string line = board_truth_json(view->camera, board, place, photograph, name);
     truth << line << '\n';
     options.json ? fmt::print("{}\n", line) : fmt::print("{}/{}\n", options.folder, name);
   }

@@ -66,6 +66,7 @@ int photograph_command(const PhotographOptions& options);
 
 struct BoardOptions {
   std::string folder;
+  std::string scene;  ///< whose camera sees the board; empty: that of the options below
   std::string board = "chessboard";
   int columns = 9, rows = 6;
   double spacing_mm = 20.0;
