@@ -84,6 +84,7 @@ TEST_GROUP(FormerRuns) {
     made.shot.host_id = kBefore;
     made.shot.first_sequence = 1;
     made.shot.last_sequence = 2;
+    clock.now = Duration{made.shot.shutter_close_ns};  // of the firmware's clock, which the host's is here
   }
   template <typename Message>
   void keep(Channel kind, const Message& message) {

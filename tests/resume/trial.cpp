@@ -10,9 +10,11 @@
 #include <set>
 #include <strobe_msgs/event_t.hpp>
 
+#include "host/archive/read_session.hpp"
 #include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/support/json_lines.hpp"
 
 namespace strobe::resume {
 
@@ -100,6 +102,7 @@ class Session {
     constexpr std::array kFiles{"host-", "results.csv", "flashes.csv", "shots.txt", "runs.jsonl"};
     const std::string file = kFiles.at(static_cast<std::size_t>(number(0, 4)));
     const int nth = file == "host-" ? number(1, 900) : number(1, 2);
+    log_lost_ = log_lost_ || file == "host-";
     verdict_.happened += fmt::format("({} from write {}) ", file, nth);
     return {{"LD_PRELOAD", STROBE_DISK_FAULTS},
             {"STROBE_DISK_FAULT", fmt::format("folder={},file={},call=write,nth={},times=1000000,error={}",
@@ -184,11 +187,13 @@ class Session {
   void judge() {
     const auto table = testing::read_csv(folder() / "results.csv");
     std::map<Key, int> rows;
+    std::map<Key, bool> counts;
     for (const auto& row : table.rows) {
       const Key key{std::stoull(row.at(table.column("boot_id")), nullptr, 16),
                     std::stoi(row.at(table.column("shot_id")))};
       if (++rows[key] == 2) violate(fmt::format("shot {} is in the table twice", key.second));
-      verdict_.counted += row.at(table.column("rejected")).empty() ? 1 : 0;
+      counts[key] = row.at(table.column("rejected")).empty();
+      verdict_.counted += counts[key] ? 1 : 0;
     }
     verdict_.rows = static_cast<int>(table.rows.size());
     if (verdict_.counted != trial_.shots)
@@ -201,6 +206,7 @@ class Session {
     }
     for (const auto& [key, count] : rows)
       if (!fired.contains(key)) violate(fmt::format("shot {} is in the table and in no journal", key.second));
+    if (!log_lost_) judge_by_the_logs(counts);
     std::set<int> numbers;
     for (const auto& [key, count] : rows) numbers.insert(key.second);
     for (const auto& truth : bench_.truths()) {
@@ -209,10 +215,30 @@ class Session {
     }
   }
 
+  /// The folder read back, as every other command does: the same shots, and the same of them count.
+  void judge_by_the_logs(const std::map<Key, bool>& counts) {
+    const auto session = host::read_session(folder(), {bench_.rig_file(), "", {}});
+    if (!session) return violate("the session cannot be read back: " + session.error().message);
+    std::map<Key, bool> read;
+    for (const host::StoredShot& shot : session->shots)
+      read[{static_cast<std::uint64_t>(shot.key.boot_id), shot.key.shot_id}] = !shot.result.rejected;
+    for (const auto& [key, counted] : counts) {
+      if (!read.contains(key)) {
+        violate(fmt::format("shot {} is in the table and is not read back from the folder", key.second));
+      } else if (read.at(key) != counted) {
+        violate(fmt::format("shot {} {} in the table, and read back from the folder it {}", key.second,
+                            counted ? "counts" : "does not count", counted ? "does not" : "does"));
+      }
+    }
+    for (const auto& [key, counted] : read)
+      if (!counts.contains(key)) violate(fmt::format("shot {} is read back and is in no row", key.second));
+  }
+
   const Trial& trial_;
   std::mt19937_64 random_;
   testing::TemporaryFolder camera_;
   RigFixture bench_;
+  bool log_lost_ = false;  ///< what the host heard could not all be kept, and it said so
   Verdict verdict_;
 };
 
