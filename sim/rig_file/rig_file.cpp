@@ -158,7 +158,12 @@ std::string camera_table(const Scene& scene, const fs::path& photographs) {
 
 std::string record_table(const Scene& scene) {
   return "[record]\nball_name = \"simulated\"\nsurface_name = " + quoted("scene " + scene.name) +
-         "\ntemperature_c = " + number(scene.air.temperature_c) + "\noperator = \"\"\n";
+         "\ntemperature_c = " + number(scene.air.temperature_c) + "\noperator = \"\"\n\n";
+}
+
+std::string report_tables(const Scene& scene) {
+  return "# For `strobe report`.\n[laboratory]\nname = \"simulated rig\"\n\n[report]\nitem = " +
+         quoted("scene " + scene.name) + "\nremarks = \"Simulated: no ball was thrown.\"\n";
 }
 
 /// From `folder` if it leads into it.
@@ -182,7 +187,7 @@ std::string rig_file_text(const Scene& scene, const RigFileSettings& settings) {
   if (!settings.key_file.empty())
     text += "[commands]\n" + line("key_file = " + quoted(settings.key_file.string()), "the lab's key") + "\n";
   return text + ball_table(scene.ball) + analysis_table(scene) + camera_table(scene, settings.photographs) +
-         record_table(scene);
+         record_table(scene) + report_tables(scene);
 }
 
 Result<void> write_rig_file(const fs::path& file, const Scene& scene, RigFileSettings settings) {
