@@ -23,6 +23,18 @@ std::string value_words(const std::string& type, bool all) {
   return all && range != std::string::npos ? plain + " " + limits.substr(range) : plain;
 }
 
+/// A name, and what it means beside it; below it, where the name is too long.
+std::string entry(const std::string& name, const std::string& meaning, std::size_t column) {
+  std::string text = "  " + name;
+  std::istringstream lines(wrapped(meaning, kWidth - column));
+  bool first = text.size() < column;
+  for (std::string line; std::getline(lines, line); first = false) {
+    if (!first) text += "\n";
+    text += std::string(first ? column - text.size() : column, ' ') + line;
+  }
+  return text + "\n";
+}
+
 class ScreenFormatter final : public CLI::Formatter {
  public:
   ScreenFormatter() {
@@ -43,10 +55,8 @@ class ScreenFormatter final : public CLI::Formatter {
     return Formatter::make_group(group, is_positional, options);
   }
   std::string make_option(const CLI::Option* option, bool is_positional) const override {
-    std::ostringstream out;
-    CLI::detail::format_help(out, make_option_name(option, is_positional) + make_option_opts(option),
-                             wrapped(make_option_desc(option), kWidth - kNames), kNames);
-    return out.str();
+    return entry(make_option_name(option, is_positional) + make_option_opts(option), make_option_desc(option),
+                 kNames);
   }
   std::string make_option_opts(const CLI::Option* option) const override {
     if (option->get_type_size() == 0) return "";
@@ -60,11 +70,8 @@ class ScreenFormatter final : public CLI::Formatter {
            (standard.empty() || standard == "\"\"" ? "" : " (default " + standard + ")");
   }
   std::string make_subcommand(const CLI::App* command) const override {
-    std::ostringstream out;
     constexpr std::size_t kCommands = 14;
-    CLI::detail::format_help(out, command->get_name(),
-                             wrapped(command->get_description(), kWidth - kCommands), kCommands);
-    return out.str();
+    return entry(command->get_name(), command->get_description(), kCommands);
   }
   std::string make_description(const CLI::App* app) const override {
     return wrapped(Formatter::make_description(app), kWidth);
