@@ -9,6 +9,7 @@
 
 #include "common/authentication/key_file.hpp"
 #include "common/command_line/help.hpp"
+#include "common/config/default_rig.hpp"
 #include "common/config/files.hpp"
 #include "common/wire/lcm_url.hpp"
 #include "host/assembly/coded_spacing.hpp"
@@ -103,6 +104,7 @@ Result<FireRequest> request_of(const FireOptions& options) {
   if (!key) return tl::unexpected(key.error());
   FireRequest request(key->key);
   request.rig = std::move(*rig);
+  request.rig_remark = config::words_on_example(options.rig_path, "--rig");
   if (auto set = set_plan(options, request); !set) return tl::unexpected(set.error());
   auto notes = notes_of(options);
   if (!notes) return tl::unexpected(notes.error());

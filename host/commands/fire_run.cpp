@@ -92,6 +92,7 @@ class FireRun {
   int fire() {
     terminal_.open();
     tell(fmt::format("session {}, rig {} on {}", request_.session, request_.rig.rig, request_.url));
+    if (!request_.rig_remark.empty()) tell(request_.rig_remark);
     if (runner_.taking_in())
       tell("looking for shots that earlier runs in this session left without a result");
     if (!request_.train_remark.empty()) loop_.notify(request_.train_remark);
