@@ -41,6 +41,7 @@ int run(int argc, char** argv) {
   strobe::host::add_live_command(app, exit_status);
   strobe::host::add_replay_command(app, exit_status);
   strobe::host::add_series_command(app, exit_status);
+  strobe::host::add_report_command(app, exit_status);
   strobe::host::add_shot_command(app, exit_status);
   strobe::host::add_digitize_command(app, exit_status);
   strobe::host::add_reduce_command(app, exit_status);

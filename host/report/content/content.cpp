@@ -28,11 +28,6 @@ bool has_a_number(const reduction::Readout& readout) {
   return false;
 }
 
-std::string folder_name(const StoredSession& session) {
-  const auto name = session.folder.filename();
-  return (name.empty() ? session.folder.parent_path().filename() : name).string();
-}
-
 std::vector<ReportShot> shots_of(const std::vector<StoredSession>& sessions) {
   std::vector<ReportShot> shots;
   for (const StoredSession& session : sessions) {
@@ -109,6 +104,11 @@ void set_days(Content& content) {
 }
 
 }  // namespace
+
+std::string folder_name(const StoredSession& session) {
+  const auto name = session.folder.filename();
+  return (name.empty() ? session.folder.parent_path().filename() : name).string();
+}
 
 Content content_of(const ReportInput& input) {
   Content content{.input = input,

@@ -40,6 +40,9 @@ struct Content {
   }
 };
 
+/// The last part of its path.
+std::string folder_name(const host::StoredSession& session);
+
 /// The input must outlive it.
 Content content_of(const ReportInput& input);
 

@@ -6,7 +6,6 @@
 #include "common/image/image_files.hpp"
 #include "common/image/opencv.hpp"
 #include "common/messages/lcm_conversions.hpp"
-#include "host/assembly/assemble.hpp"
 #include "host/digitize/overlay/overlay.hpp"
 #include "host/photographs/digitize_settings.hpp"
 
@@ -16,14 +15,9 @@ namespace {
 
 constexpr int kJpegQuality = 78;
 
-/// With the flashes' times where they could be matched, else without any.
-Result<reduction::Frame> frame_of(const host::StoredSession& session, const host::StoredShot& shot) {
-  const auto& message = shot.digitizations.back().frame;
-  if (shot.summary) {
-    auto assembled = host::assemble(*shot.summary, message, host::assembly_settings(session.rig));
-    if (!assembled.frame.images.empty()) return std::move(assembled.frame);
-  }
-  auto frame = messages::frame_from_lcm(message);
+/// Without times: there is room for the images' numbers alone.
+Result<reduction::Frame> frame_of(const host::StoredShot& shot) {
+  auto frame = messages::frame_from_lcm(shot.digitizations.back().frame);
   if (!frame) return frame;
   for (auto& image : frame->images) image.time_s = std::numeric_limits<double>::quiet_NaN();
   return frame;
@@ -41,7 +35,7 @@ Result<Picture> overlay_picture(const host::StoredSession& session, const host::
   if (!settings) return fail("The photograph cannot be shown: " + settings.error().message + ".");
   digitize::Digitization found;
   if (!shot.digitizations.empty()) {
-    auto frame = frame_of(session, shot);
+    auto frame = frame_of(shot);
     if (!frame) return fail("The measurement cannot be shown: " + frame.error().message + ".");
     found.frame = *std::move(frame);
   }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "host/report/html/escape.hpp"
 #include "host/report/html/style.hpp"
 #include "host/report/html/svg.hpp"
@@ -31,19 +33,29 @@ std::string facts_table(const std::vector<Fact>& facts) {
   return facts.empty() ? std::string() : out + "</table>\n";
 }
 
+/// Short words stay on one line, so that columns of numbers do not squeeze them.
+const char* words_class(const std::string& text) {
+  constexpr std::size_t kShort = 26;
+  return text.size() <= kShort ? " class=\"words short\"" : " class=\"words\"";
+}
+
 std::string head_of(const Column& column) {
   const std::string unit =
       column.unit.empty() ? std::string() : "<span class=\"unit\">" + escaped(column.unit) + "</span>";
-  return fmt::format("<th{}>{}{}</th>", column.is_number ? "" : " class=\"words\"", escaped(column.head),
-                     unit);
+  return fmt::format("<th{}>{}{}</th>", column.is_number ? "" : words_class(column.head),
+                     escaped(column.head), unit);
 }
 
-std::string row_of(const Table& table, const Row& row) {
-  std::string kind = row.begins ? "begins" : "";
+std::string row_class(const Row& row, bool in_groups) {
+  std::string kind = row.begins ? "begins" : in_groups ? "follows" : "";
   if (row.beside) kind += kind.empty() ? "beside" : " beside";
-  std::string out = kind.empty() ? "<tr>" : "<tr class=\"" + kind + "\">";
+  return kind.empty() ? kind : " class=\"" + kind + "\"";
+}
+
+std::string row_of(const Table& table, const Row& row, bool in_groups) {
+  std::string out = "<tr" + row_class(row, in_groups) + ">";
   for (std::size_t i = 0; i < row.cells.size() && i < table.columns.size(); ++i)
-    out += fmt::format("<td{}>{}</td>", table.columns[i].is_number ? "" : " class=\"words\"",
+    out += fmt::format("<td{}>{}</td>", table.columns[i].is_number ? "" : words_class(row.cells[i].text),
                        escaped(row.cells[i].text));
   return out + "</tr>\n";
 }
@@ -52,12 +64,15 @@ struct HtmlWriter {
   std::string operator()(const Facts& f) const { return heading(f.title) + facts_table(f.facts); }
 
   std::string operator()(const Table& table) const {
-    std::string out = "<table>\n";
+    constexpr std::size_t kWide = 10;
+    std::string out = table.columns.size() > kWide ? "<table class=\"wide\">\n" : "<table>\n";
+    const bool in_groups =
+        std::any_of(table.rows.begin(), table.rows.end(), [](const Row& row) { return row.begins; });
     if (!table.title.empty()) out += "<caption>" + escaped(table.title) + "</caption>\n";
     out += "<thead><tr>";
     for (const Column& column : table.columns) out += head_of(column);
     out += "</tr></thead>\n<tbody>\n";
-    for (const Row& row : table.rows) out += row_of(table, row);
+    for (const Row& row : table.rows) out += row_of(table, row, in_groups);
     out += "</tbody>\n</table>\n";
     for (const std::string& note : table.notes) out += paragraph(note, "note");
     return out;
@@ -78,19 +93,19 @@ struct HtmlWriter {
   }
 
   std::string operator()(const ShotCard& shot) const {
-    std::string out =
-        fmt::format("<div class=\"shot{}\">\n<p class=\"title\">{}</p>\n<div class=\"picture\">",
-                    shot.counts ? "" : " rejected", escaped(shot.title));
+    std::string out = fmt::format("<table class=\"shot{}\"><tr><td>\n<p class=\"title\">{}</p>\n",
+                                  shot.counts ? "" : " rejected", escaped(shot.title));
     if (shot.picture) {
-      out += fmt::format("<img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/jpeg;base64,{}\"/>",
-                         shot.picture->width_px, shot.picture->height_px, escaped(shot.title),
-                         base64(shot.picture->jpeg));
+      out += fmt::format(
+          "<table class=\"card\"><tr><td class=\"picture\"><img width=\"{}\" height=\"{}\" alt=\"{}\" "
+          "src=\"data:image/jpeg;base64,{}\"/></td><td class=\"numbers\">{}</td></tr></table>\n",
+          shot.picture->width_px, shot.picture->height_px, escaped(shot.title), base64(shot.picture->jpeg),
+          facts_table(shot.facts));
     } else {
-      out += paragraph(shot.no_picture, "note");
+      out += paragraph(shot.no_picture, "note") + facts_table(shot.facts);
     }
-    out += "</div>\n<div class=\"numbers\">" + facts_table(shot.facts) + "</div>\n";
     for (const std::string& remark : shot.remarks) out += paragraph(remark, "note");
-    return out + "</div>\n";
+    return out + "</td></tr></table>\n";
   }
 
   std::string operator()(const Signature& signature) const {

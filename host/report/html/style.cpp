@@ -32,16 +32,19 @@ p { margin: 1.5mm 0; }
 .id { font-size: 10.5pt; margin: 0 0 5mm 0; color: #333; }
 .strong { font-weight: bold; }
 table { border-collapse: collapse; width: 100%; margin: 1.5mm 0 1mm 0; font-size: 8pt; line-height: 1.3; }
-thead { display: table-header-group; }
+thead { display: table-header-group; break-after: avoid; }
 caption { text-align: left; font-weight: bold; font-size: 9pt; padding: 2mm 0 1mm 0; caption-side: top; }
 th { text-align: right; vertical-align: bottom; font-weight: bold; border-bottom: 0.3mm solid #555; padding: 0.6mm 1mm; }
 th .unit { font-weight: normal; color: #555; display: block; }
 td { padding: 0.5mm 1mm; vertical-align: top; text-align: right; white-space: nowrap; }
 th.words, td.words { text-align: left; white-space: normal; overflow-wrap: anywhere; }
+th.short, td.short { white-space: nowrap; }
+table.wide { font-size: 7pt; }
+table.wide th, table.wide td { padding-left: 0.5mm; padding-right: 0.5mm; }
 tr { break-inside: avoid; }
+tr.follows { break-before: avoid; }
 tr.begins td { border-top: 0.2mm solid #bbb; }
 tr.beside td { color: #5a5a5a; font-style: italic; }
-td.nowrap { white-space: nowrap; }
 .note { font-size: 8pt; color: #444; margin: 0.5mm 0; }
 table.facts { margin: 1mm 0 2mm 0; font-size: 9pt; }
 table.facts td { text-align: left; white-space: normal; border-bottom: 0.15mm solid #e3e3e3; padding: 0.7mm 1mm; }
@@ -54,17 +57,18 @@ figcaption { font-size: 8.5pt; margin-bottom: 1mm; }
 figcaption .title { font-weight: bold; }
 pre { font: 7pt/1.3 "DejaVu Sans Mono", monospace; white-space: pre-wrap; overflow-wrap: anywhere; background: #f6f6f6;
       padding: 2mm; margin: 1mm 0; }
-.shot { break-inside: avoid; border-top: 0.2mm solid #bbb; padding: 1.5mm 0; overflow: hidden; }
+table.shot { margin: 0; border-top: 0.2mm solid #bbb; }
+table.shot td { text-align: left; white-space: normal; padding: 1mm 0; }
 .shot .title { font-weight: bold; font-size: 9pt; margin: 0 0 1mm 0; }
 .shot.rejected .title { color: #9a3412; }
-.shot .picture { float: left; width: 62%; margin-right: 2%; }
-.shot .picture img { width: 100%; height: auto; display: block; }
-.shot .numbers { float: left; width: 36%; }
+table.card { margin: 0; }
+table.card td.picture { width: 118mm; padding: 0 3mm 0 0; }
+table.card td.picture img { width: 118mm; height: auto; display: block; }
+table.card td.numbers { padding: 0; }
 .shot table.facts { font-size: 7.5pt; margin: 0; }
 .shot table.facts td { padding: 0.25mm 0.8mm; }
 .shot table.facts td.label { width: auto; }
 .shot table.facts td.value { text-align: right; white-space: nowrap; }
-.shot .note { clear: left; }
 table.signature { margin-top: 14mm; }
 table.signature td { text-align: left; border-top: 0.3mm solid #333; padding: 1mm; white-space: normal; font-size: 8.5pt; }
 table.signature td.gap { border: none; width: 8mm; }

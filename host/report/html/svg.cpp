@@ -24,7 +24,7 @@ constexpr double kBottom = 40.0;
 constexpr double kLegendLine = 17.0;
 constexpr double kMark = 3.2;  // half the size of a mark
 
-double panel_height(int columns) { return columns == 1 ? 270.0 : columns == 2 ? 235.0 : 195.0; }
+double panel_height(int columns) { return columns == 1 ? 270.0 : columns == 2 ? 235.0 : 146.0; }
 
 struct Frame {
   double left, top, right, bottom;

@@ -1,5 +1,8 @@
 // Where what ISO/IEC 17025 asks of a report stands in this one.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 #include "host/report/sections/parts.hpp"
 #include "host/report/sections/sections.hpp"
@@ -45,17 +48,22 @@ std::string place(const Clause& clause, const std::vector<Section>& sections) {
   return clause.where;
 }
 
+/// Each once, section by section.
 std::vector<std::string> unstated(const std::vector<Section>& sections) {
   std::vector<std::string> out;
-  const auto look = [&](const std::vector<Fact>& facts, std::size_t section) {
-    for (const Fact& fact : facts)
-      if (!fact.stated) out.push_back(fmt::format("{} (section {})", fact.label, section));
-  };
-  for (std::size_t i = 0; i < sections.size(); ++i)
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    std::vector<std::string> labels;
+    const auto look = [&](const std::vector<Fact>& facts) {
+      for (const Fact& fact : facts)
+        if (!fact.stated && std::find(labels.begin(), labels.end(), fact.label) == labels.end())
+          labels.push_back(fact.label);
+    };
     for (const Block& block : sections[i].blocks) {
-      if (const auto* facts = std::get_if<Facts>(&block)) look(facts->facts, i + 1);
-      if (const auto* signature = std::get_if<Signature>(&block)) look(signature->lines, i + 1);
+      if (const auto* facts = std::get_if<Facts>(&block)) look(facts->facts);
+      if (const auto* signature = std::get_if<Signature>(&block)) look(signature->lines);
     }
+    if (!labels.empty()) out.push_back(fmt::format("section {}: {}", i + 1, fmt::join(labels, ", ")));
+  }
   return out;
 }
 
@@ -76,8 +84,7 @@ Section clauses(const Content&, const std::vector<Section>& before) {
   std::string words;
   for (const std::string& each : unstated(before)) words += (words.empty() ? "" : "; ") + each;
   section.blocks.emplace_back(
-      Paragraph{"not_stated", words.empty() ? "Nothing is left unstated." : "Not stated: " + words + ".",
-                !words.empty()});
+      Paragraph{"not_stated", words.empty() ? "Nothing is left unstated." : "Not stated: " + words + "."});
   return section;
 }
 

@@ -45,6 +45,7 @@ Cell number_cell(std::optional<double> value, std::optional<double> sd) {
 
 Cell sd_cell(std::optional<double> sd) {
   if (!sd || !std::isfinite(*sd)) return {"-", {}};
+  if (*sd > 0.0 && *sd < 1e-5) return {fmt::format("{:.1e}", *sd), sd};  // beyond six decimals
   return {*sd > 0.0 ? host::rounded(*sd, *sd) : "0", sd};
 }
 

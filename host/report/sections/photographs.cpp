@@ -57,7 +57,7 @@ ShotCard card(const ReportShot& each, const std::string& condition) {
   } else {
     out.no_picture = picture.error().message;
   }
-  out.facts = numbers(each.shot->result.readout);
+  if (out.picture) out.facts = numbers(each.shot->result.readout);
   out.remarks = remarks(each);
   return out;
 }

@@ -27,7 +27,7 @@ void add_text(Table& table, const std::string& text, const char* what, const std
 
 Table files_of(const host::StoredSession& session, const std::string& key) {
   Table table{"files" + key,
-              "Files of " + session.folder.filename().string(),
+              "Files of " + folder_name(session),
               {{"what", "what", "", false}, {"file", "file", "", false}, {"sha256", "SHA-256", "", false}},
               {},
               {}};

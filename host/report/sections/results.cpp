@@ -76,7 +76,8 @@ Cell difference_cell(const ConditionGroup& group, const Shown& shown) {
   const thesis::MeanSd& printed = group.thesis->*shown.printed;
   if (!(printed.sd > 0.0)) return {"-", {}};
   const double difference = (s.mean - printed.mean) / printed.sd;
-  return {fmt::format("{:+.1f} sd", difference), difference};
+  const bool none = std::abs(difference) < 0.05;  // no sign
+  return {none ? "0.0 sd" : fmt::format("{:+.1f} sd", difference), difference};
 }
 
 void add_rows(Table& table, const ConditionGroup& group, const Kind& kind) {

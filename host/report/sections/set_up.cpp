@@ -15,11 +15,12 @@ using host::CameraTable;
 using host::StoredSession;
 
 std::string number_text(const std::optional<double>& value, const char* unit) {
-  return value ? fmt::format("{}{}", *value, unit) : std::string();
+  return value ? fmt::format("{:.6g}{}", *value, unit) : std::string();
 }
 
 std::string with_sd(double value, const std::optional<double>& sd, const char* unit) {
-  return sd ? fmt::format("{} ± {}{}", value, *sd, unit) : fmt::format("{}{}, sd not stated", value, unit);
+  return sd ? fmt::format("{:.7g} ± {:.3g}{}", value, *sd, unit)
+            : fmt::format("{:.7g}{}, sd not stated", value, unit);
 }
 
 Facts rig_facts(const StoredSession& session, const std::string& key) {
@@ -28,8 +29,7 @@ Facts rig_facts(const StoredSession& session, const std::string& key) {
   const auto& plan = session.rig.plan;
   return {"rig" + key,
           "Rig and ball",
-          {fact("rig", "Rig", session.rig.rig),
-           fact("folder", "Session's folder", session.folder.filename().string()),
+          {fact("rig", "Rig", session.rig.rig), fact("folder", "Session's folder", folder_name(session)),
            number_fact("ball_diameter_m", "Ball's diameter", ball.diameter_m,
                        with_sd(1e3 * ball.diameter_m, 1e3 * ball.diameter_sd_m, " mm (sd of its tolerance)")),
            stated_fact("ball_mass_kg", "Ball's mass",

@@ -23,12 +23,18 @@ strobe_msgs::note_t note(const std::string& key, const std::string& value) {
 host::StoredShot stored_shot(int number, const MadeSession& settings, const host::RigFile& rig) {
   host_test::Scenario scenario;
   scenario.seed = static_cast<std::uint32_t>(number);
+  scenario.touchdown_s += 0.37e-3 * number;  // so that images show all of the contact
   auto made = host_test::make_shot(scenario);
   made.shot.shot_id = made.frame.shot_id = number;
   made.shot.notes = {note("spin", settings.spin), note("angle_deg", settings.angle),
                      note("ball_name", "new")};
   if (!settings.note.empty()) made.shot.notes.push_back(note("remarks", settings.note));
   made.shot.note_count = static_cast<int>(made.shot.notes.size());
+  for (auto& image : made.frame.images) {
+    if (!settings.tops || image.leg != strobe_msgs::ball_image_t::LEG_CONTACT) continue;
+    image.top_x_px = image.centre_x_px;
+    image.top_y_px = image.centre_y_px + 0.45 * image.diameter_px;
+  }
   host::StoredShot stored;
   stored.key = {made.shot.boot_id, number};
   stored.name = std::to_string(number);

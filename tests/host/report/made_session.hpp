@@ -10,9 +10,10 @@ namespace strobe::report_test {
 struct MadeSession {
   int shots = 3;
   std::string spin = "zero", angle = "23";
-  int rejected = 0;  ///< the last ones
+  int rejected = 0;    ///< the last ones
   std::string note{};  ///< a remark in each shot's record
   std::string rig_lines{};
+  bool tops = false;  ///< tops of images in contact are measured
 };
 
 host::StoredSession made_session(const MadeSession& settings = {});

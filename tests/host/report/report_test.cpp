@@ -6,6 +6,8 @@
 #include <set>
 
 #include "common/config/files.hpp"
+#include "common/image/image_files.hpp"
+#include "common/image/opencv.hpp"
 #include "host/report/build_report.hpp"
 #include "host/report/html/render_html.hpp"
 #include "host/report/model/hashes.hpp"
@@ -13,6 +15,7 @@
 #include "tests/host/report/made_session.hpp"
 #include "tests/host/report/parsed_html.hpp"
 #include "tests/support/string_from.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -146,9 +149,9 @@ TEST(Report, TellsWhatIsNotStatedAndListsIt) {
   CHECK_EQUAL(std::string("2026-11-21"),
               all["identification"]["facts"]["what"]["issued"]["text"].get<std::string>());
   const auto listed = all["clauses"]["texts"]["not_stated"].get<std::string>();
-  STRCMP_CONTAINS("Address (section 1)", listed.c_str());
-  STRCMP_CONTAINS("Authorised by (section 1)", listed.c_str());
-  CHECK(listed.find("Customer (") == std::string::npos);
+  STRCMP_CONTAINS("section 1: Address, Contact,", listed.c_str());
+  STRCMP_CONTAINS("Authorised by; section", listed.c_str());
+  CHECK(listed.find("Customer,") == std::string::npos);
 }
 
 TEST(Report, ShowsNamesWithMarkupAsText) {
@@ -249,6 +252,50 @@ TEST(Report, AnyNoteComesBackAsText) {
     RC_ASSERT(found >= 12U);
     RC_ASSERT(json::parse(report_json(report)).at("report").at("title").get<std::string>() == note);
   }));
+}
+
+TEST(Report, DrawsFigures4To17OfItsOwnImagesInContact) {
+  auto input = input_of(made_session({.shots = 8, .tops = true}));
+  const auto thesis = loaded_thesis();
+  input.thesis = &thesis;
+  const json charts = json_of(build_report(input)).at("sections").at("contact").at("charts");
+  LONGS_EQUAL(14, charts.size());
+  CHECK_FALSE(charts["figure_4_zero_23"]["caption"].get<std::string>().find("printed") != std::string::npos);
+  const json& images = charts["figure_4_zero_23"]["panels"][0]["series"][0]["points"];
+  CHECK(images.size() >= 5);
+  double time_ms = 0.0, x_cm = 0.0;
+  for (const json& point : images) {
+    CHECK(point[0].get<double>() > time_ms && point[0].get<double>() < 5.3);  // the shots' dwell is 5.2 ms
+    CHECK(point[1].get<double>() > x_cm && point[1].get<double>() < 6.6);     // over 6.29 cm
+    time_ms = point[0].get<double>();
+    x_cm = point[1].get<double>() - 0.1;  // shots differ by the noise of some .2 mm in two directions
+  }
+}
+
+TEST(Report, ShowsAPhotographWithWhatWasMeasuredAndItsHash) {
+  testing::TemporaryFolder folder;
+  const cv::Mat grey(700, 1400, CV_8UC1, cv::Scalar(90));
+  const auto png = image::encode_png(image::pixels_of(grey));
+  CHECK(png.has_value());
+  CHECK(config::write_file(folder / "one.png", {reinterpret_cast<const char*>(png->data()), png->size()})
+            .has_value());
+  auto session = made_session({.shots = 2});
+  session.folder = folder.path();
+  session.shots[0].photograph = folder / "one.png";
+  session.shots[1].photograph = folder / "absent.png";
+  const Report report = build_report(input_of(std::move(session)));
+  const json all = json_of(report).at("sections");
+  const json& picture = all["photographs"]["shots"]["1"]["picture"];
+  LONGS_EQUAL(1100, picture["width_px"].get<int>());
+  LONGS_EQUAL(550, picture["height_px"].get<int>());
+  STRCMP_CONTAINS(("base64," + picture["jpeg_base64"].get<std::string>()).c_str(),
+                  render_html(report).c_str());
+  STRCMP_CONTAINS("absent.png", all["photographs"]["shots"]["2"]["no_picture"].get<std::string>().c_str());
+  std::string hashes;
+  for (const json& row : all["records"]["tables"]["files"]["rows"])
+    hashes += row["sha256"]["text"].get<std::string>() + "\n";
+  STRCMP_CONTAINS(sha256_of_file(folder / "one.png")->c_str(), hashes.c_str());
+  STRCMP_CONTAINS("cannot be read", hashes.c_str());
 }
 
 TEST_GROUP(ReportHashes){};
