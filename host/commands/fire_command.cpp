@@ -185,8 +185,8 @@ void add_fire_command(CLI::App& app, int& exit_status) {
                     "one JSON object per readout on standard output, nothing else there");
   command->add_flag("--plain", options->plain, "lines of text instead of a screen");
   command->add_flag("--all", options->all, kAllHelp);
-  command_line::for_experts(*command,
-                            {"--spacing", "--effort", "--lcm-url", "--key-file", "--wait", "--clear-fault"});
+  command_line::for_experts(
+      *command, {"--spacing", "--effort", "--lcm-url", "--key-file", "--wait", "--clear-fault", "--all"});
   command->footer(
       "Ctrl-C finishes the shot under way and ends; a second one aborts it. Ctrl-\\ aborts it at once.\n"
       "Example: strobe fire --rig rig.toml --session run1 --shots 9 --spin zero --angle 23 --note "

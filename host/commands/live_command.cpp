@@ -171,7 +171,7 @@ void add_live_command(CLI::App& app, int& exit_status) {
                    "end when nothing was heard for this many seconds (default 0: never)")
       ->check(CLI::Range(0.0, 1e6));
   command_line::for_experts(
-      *command, {"--effort", "--lcm-url", "--key-file", "--timing", "--idle-exit", "--unverified"});
+      *command, {"--effort", "--lcm-url", "--key-file", "--timing", "--idle-exit", "--unverified", "--all"});
   command->footer(
       "Example: strobe live --rig rig.toml\n         strobe live --rig rig.toml --json --shots 9 > "
       "readouts.jsonl");

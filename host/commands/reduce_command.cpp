@@ -171,7 +171,7 @@ class Reducer {
     shot_result.readout = *readout;
     print(render_shot(shot_result, kPlainWidth, all_));
     if (all_ && readout->method == "best") print({flight_line(readout->flight_effects)});
-    if (all_ && readout->residual_ratios.all) print({residual_line(readout->residual_ratios)});
+    if (readout->residual_ratios.all) print({residual_line(readout->residual_ratios)});
     if (budget_) print_budget(budget, *readout);
     if (readout->legacy) print(legacy_lines(*readout->legacy));
     if (choice != nullptr) print(choice_lines(*choice));
@@ -361,10 +361,10 @@ void add_reduce_command(CLI::App& app, int& exit_status) {
   command->add_flag(
       "--budget", options->budget,
       "what each number's uncertainty is made of: source, type (A or B), sensitivity, effect, share");
-  command->add_flag("--all", options->all, "experts' numbers as well: slip, flight effects, residuals");
+  command->add_flag("--all", options->all, "experts' numbers as well: slip, flight effects");
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
-  command_line::for_experts(*command, {"--noise", "--tolerance", "--deadline-us", "--frontier"});
+  command_line::for_experts(*command, {"--noise", "--tolerance", "--deadline-us", "--frontier", "--all"});
   command->footer(
       "Example: strobe reduce frames.jsonl --estimator best --json\n"
       "         strobe reduce frames.jsonl --tolerance 1% --deadline-us 20 --json\n"

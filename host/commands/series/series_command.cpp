@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "common/command_line/help.hpp"
 #include "common/reduction/monte_carlo.hpp"
 #include "host/archive/read_session.hpp"
 #include "host/commands/command.hpp"
@@ -177,6 +178,7 @@ void add_series_command(CLI::App& app, int& exit_status) {
   command->add_flag("--all", options->all, "every quantity, the slip too");
   command->add_flag("--json", options->json,
                     "one JSON object a series, and one for --compare; nothing else on standard output");
+  command_line::for_experts(*command, {"--difference", "--monte-carlo", "--rig", "--key-file", "--all"});
   command->footer(
       "Example: strobe series run1 run2 --by spin,angle --without run1:7\n"
       "         strobe series run1 run2 --compare run1 run2 --difference 0.01\n"

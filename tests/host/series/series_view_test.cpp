@@ -54,7 +54,8 @@ TEST(SeriesView, NamesOutliersWithTheRule) {
 }
 
 TEST(SeriesView, HasTheBudgetOfAMean) {
-  const auto& vx = example().quantities[static_cast<std::size_t>(Quantity::vx_td_mps)];
+  const SeriesSummary summary = example();
+  const auto& vx = summary.quantities[static_cast<std::size_t>(Quantity::vx_td_mps)];
   const auto lines = render_budget("zero 23, mean", vx.budget, Quantity::vx_td_mps, 120);
   // 4/3 of 19/12 is 84.2 %.
   CHECK_EQUAL(std::string("scatter of the shots A 1.2 84.2 % 2.0"), row(lines, "scatter"));
