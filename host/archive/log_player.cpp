@@ -9,8 +9,10 @@
 namespace strobe::host {
 namespace {
 
-HostLoopSettings loop_settings(const RigFile& rig, const std::optional<authentication::Key>& key) {
+HostLoopSettings loop_settings(const RigFile& rig, const std::optional<authentication::Key>& key,
+                               bool budgets) {
   HostLoopSettings settings{rig.rig, assembly_settings(rig)};
+  settings.assembly.budgets = budgets;
   settings.replays = true;
   settings.key = key;
   return settings;
@@ -54,8 +56,8 @@ std::optional<bool> is_sealed(const std::filesystem::path& path, const std::stri
   return sealed;
 }
 
-LogPlayer::LogPlayer(const RigFile& rig, const std::optional<authentication::Key>& key)
-    : rig_(rig.rig), loop_(loop_settings(rig, key), transport_, clock_) {}
+LogPlayer::LogPlayer(const RigFile& rig, const std::optional<authentication::Key>& key, bool budgets)
+    : rig_(rig.rig), loop_(loop_settings(rig, key, budgets), transport_, clock_) {}
 
 void LogPlayer::play(StoredLogs& logs, const Watcher& watcher) {
   while (const auto message = logs.next()) {

@@ -21,8 +21,8 @@ std::optional<bool> is_sealed(const std::filesystem::path& log, const std::strin
 
 class LogPlayer {
  public:
-  /// key: the logs are sealed with it; absent: they are reduced as unverified.
-  LogPlayer(const RigFile& rig, const std::optional<authentication::Key>& key);
+  /// key: the logs are sealed with it; absent: they are reduced as unverified. budgets: see AssemblySettings.
+  LogPlayer(const RigFile& rig, const std::optional<authentication::Key>& key, bool budgets = false);
 
   HostLoop& loop() { return loop_; }
   /// When the message that is being played was logged, by the clock of its writer.

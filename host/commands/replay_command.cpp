@@ -14,6 +14,7 @@
 #include "host/archive/shot_outcome.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/session_options.hpp"
+#include "host/series/from_session.hpp"
 #include "host/session/shot_names.hpp"
 
 namespace strobe::host {
@@ -84,7 +85,7 @@ int replay_log(const ReplayOptions& options) {
   if (!rig) return bad_input(rig.error().message);
   auto log = StoredLogs::open({options.path});
   if (!log) return bad_input(log.error().message);
-  LogPlayer player(*rig, sealing_key(options, *rig));
+  LogPlayer player(*rig, sealing_key(options, *rig), !options.json);
   FiredShots fired(player, rig->rig);
   Terminal terminal(Terminal::style(options.json, true));
   ChosenShot shown(terminal, options.shot);
@@ -96,6 +97,13 @@ int replay_log(const ReplayOptions& options) {
   if (log->messages() == 0) return bad_input(options.path + ": not an LCM log, or an empty one");
   if (fs::path(options.path).filename().string().starts_with("journal-")) show_unfinished(fired, shown);
   return conclude(options, terminal, rig->rig, log->messages());
+}
+
+/// A person's series tells what its shots share.
+ShotResult with_budget(const StoredShot& shot, bool wanted) {
+  ShotResult result = shot.result;
+  if (wanted && !result.rejected) result.budget = budget_of(shot);
+  return result;
 }
 
 int replay_session(const ReplayOptions& options) {
@@ -111,7 +119,8 @@ int replay_session(const ReplayOptions& options) {
     for (const std::string& problem : done.problems) terminal.note(problem);
   }
   for (const StoredShot& shot : session->shots)
-    if (options.shot.empty() || shot.name == options.shot) terminal.on_shot_result(shot.result);
+    if (options.shot.empty() || shot.name == options.shot)
+      terminal.on_shot_result(with_budget(shot, !options.json));
   if (options.results) {
     const fs::path file =
         options.results->empty() ? session->folder / "results.csv" : fs::path(*options.results);

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
@@ -12,6 +13,10 @@
 #include "host/commands/session_options.hpp"
 #include "host/commands/shot_report.hpp"
 #include "host/digitize/overlay/overlay.hpp"
+#include "host/series/budget_lines.hpp"
+#include "host/series/from_session.hpp"
+#include "host/view/series_json.hpp"
+#include "host/view/series_view.hpp"
 
 namespace strobe::host {
 namespace {
@@ -25,6 +30,7 @@ struct ShotOptions {
   std::string edit_file;  ///< empty: none
   bool undo_edit = false;
   std::string overlay;  ///< empty: none
+  bool budget = false;
   bool json = false;
 
   bool reduces() const { return estimator != "best" || noise != "stated"; }
@@ -46,9 +52,30 @@ Result<void> draw(const ShotOptions& options, const StoredSession& session, cons
                                  measured->found);
 }
 
+/// For a program one object; for a person a table for each essential number.
+std::vector<std::string> budget_lines_of(const StoredShot& shot, bool json) {
+  const reduction::Budget budget = budget_of(shot);
+  const reduction::Readout& readout = shot.result.readout;
+  if (json) {
+    nlohmann::ordered_json object{{"shot", shot.name}};
+    object["budget"] = budget_json(budget, readout);
+    return {object.dump()};
+  }
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    const auto q = static_cast<reduction::Quantity>(i);
+    if (!readout.value[q] || !is_essential(q)) continue;
+    for (std::string& line : render_budget("shot " + shot.name, budget_lines(budget, q), q, kPlainWidth))
+      lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
 int run_shot(const ShotOptions& options) {
   if (options.noise != "stated" && options.estimator != "best")
     return bad_input("shot: --noise is for the best estimator");
+  if (options.budget && options.reduces())
+    return bad_input("shot: --budget is for the best estimator and stated noise");
   Terminal terminal(Terminal::style(options.json, true));
   const auto session = read_for(terminal, options.session, options.reading);
   if (!session) return bad_input(session.error().message);
@@ -75,6 +102,7 @@ int run_shot(const ShotOptions& options) {
     if (before != nullptr) print(comparison_lines(*before, result));
     print(measurement_lines(*session, changed->shot));
   }
+  if (options.budget) print(budget_lines_of(changed->shot, options.json));
   if (changed->changed)
     terminal.note(
         fmt::format("results.csv still has the former numbers; strobe replay {} --results writes it anew",
@@ -105,6 +133,7 @@ void add_shot_command(CLI::App& app, int& exit_status) {
       ->check(CLI::IsMember({"best", "two-point", "legacy"}));
   command->add_option("--noise", options->noise, "as of strobe reduce: stated (default) or residuals")
       ->check(CLI::IsMember({"stated", "residuals"}));
+  command->add_flag("--budget", options->budget, "what each number's uncertainty is made of");
   add_session_options(*command, options->reading);
   command->add_flag(
       "--json", options->json,

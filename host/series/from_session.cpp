@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <functional>
 #include <utility>
 
 #include "host/assembly/shot_budget.hpp"
@@ -11,20 +12,17 @@ namespace {
 
 std::string text_of(const std::optional<double>& number) { return number ? fmt::format("{}", *number) : "-"; }
 
+/// A calibration file is thousands of digits: shots keep a number that stands for it.
 std::string calibration_of(const RigFile& rig) {
-  return fmt::format("{}\n{} {}", calibration_text(rig.camera), text_of(rig.analysis.px_per_m),
-                     text_of(rig.analysis.px_per_m_sd));
+  const std::string text = fmt::format("{}\n{} {}", calibration_text(rig.camera),
+                                       text_of(rig.analysis.px_per_m), text_of(rig.analysis.px_per_m_sd));
+  return fmt::format("{:016x}", std::hash<std::string>{}(text));
 }
 
 std::string ball_of(const RigFile& rig, const reduction::Record& record) {
   const auto name = record.find("ball_name");
   return fmt::format("{}\n{} {} {}", name == record.end() ? "" : name->second, rig.ball.diameter_m,
                      rig.ball.diameter_sd_m, text_of(rig.ball.mass_kg));
-}
-
-reduction::Budget budget_of(const StoredShot& shot, const AssemblySettings& settings) {
-  if (!shot.summary || shot.digitizations.empty()) return {};
-  return shot_budget(assemble(*shot.summary, shot.digitizations.back().frame, settings), shot.result.readout);
 }
 
 }  // namespace
@@ -40,21 +38,27 @@ SeriesShot series_shot(const ShotResult& result, reduction::Budget budget, const
   return shot;
 }
 
-std::optional<reduction::Frame> frame_of(const StoredShot& shot, const RigFile& rig) {
+std::optional<reduction::Frame> frame_of(const StoredShot& shot) {
   if (!shot.summary || shot.digitizations.empty()) return std::nullopt;
-  AssembledShot assembled = assemble(*shot.summary, shot.digitizations.back().frame, assembly_settings(rig));
+  AssembledShot assembled =
+      assemble(*shot.summary, shot.digitizations.back().frame, assembly_settings(*shot.rig));
   if (assembled.frame.images.empty()) return std::nullopt;
   return std::move(assembled.frame);
 }
 
+reduction::Budget budget_of(const StoredShot& shot) {
+  if (!shot.summary || shot.digitizations.empty()) return {};
+  return shot_budget(assemble(*shot.summary, shot.digitizations.back().frame, assembly_settings(*shot.rig)),
+                     shot.result.readout);
+}
+
 std::vector<SeriesShot> series_shots(const StoredSession& session, const std::string& session_name) {
-  const AssemblySettings settings = assembly_settings(session.rig);
   std::vector<SeriesShot> shots;
   shots.reserve(session.shots.size());
   for (const StoredShot& stored : session.shots) {
     const bool counts = !stored.result.rejected;
     SeriesShot& shot = shots.emplace_back(
-        series_shot(stored.result, counts ? budget_of(stored, settings) : reduction::Budget{}, session.rig));
+        series_shot(stored.result, counts ? budget_of(stored) : reduction::Budget{}, *stored.rig));
     shot.name = stored.name;
     shot.session = session_name;
   }

@@ -142,13 +142,13 @@ class Report {
     return fail(fmt::format("--compare: no series \"{}\" among {}", name, names.empty() ? "none" : names));
   }
 
-  /// The stored shot of that name, with its session's rig.
+  /// Of the stored shot of that name.
   std::optional<reduction::MonteCarlo> drawn(const SeriesShot& wanted) const {
     for (const NamedSession& session : sessions_) {
       if (!wanted.session.empty() && wanted.session != session.name) continue;
       for (const StoredShot& stored : session.session.shots) {
         if (stored.name != wanted.name) continue;
-        const auto frame = frame_of(stored, session.session.rig);
+        const auto frame = frame_of(stored);
         if (!frame) return std::nullopt;
         const auto result = reduction::monte_carlo(*frame, settings_.draws, kSeed);
         return result ? std::optional(*result) : std::nullopt;

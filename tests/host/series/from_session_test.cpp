@@ -24,7 +24,7 @@ RigFile rig_of(double px_per_m) {
   return rig;
 }
 
-StoredShot stored(std::uint32_t seed, const RigFile& rig, const std::string& ball) {
+StoredShot stored(std::uint32_t seed, const std::shared_ptr<const RigFile>& rig, const std::string& ball) {
   Scenario scenario;
   scenario.seed = seed;
   const SyntheticShot made = make_shot(scenario);
@@ -32,7 +32,8 @@ StoredShot stored(std::uint32_t seed, const RigFile& rig, const std::string& bal
   shot.name = std::to_string(seed);
   shot.summary = made.shot;
   shot.digitizations.emplace_back().frame = made.frame;
-  shot.result = measured_result(made.shot, made.frame, {}, assembly_settings(rig));
+  shot.result = measured_result(made.shot, made.frame, {}, assembly_settings(*rig));
+  shot.rig = rig;
   if (!ball.empty()) shot.result.readout.record["ball_name"] = ball;
   return shot;
 }
@@ -40,7 +41,8 @@ StoredShot stored(std::uint32_t seed, const RigFile& rig, const std::string& bal
 StoredSession session_of(double px_per_m, const std::string& ball = "") {
   StoredSession session;
   session.rig = rig_of(px_per_m);
-  for (const std::uint32_t seed : {1U, 2U, 3U}) session.shots.push_back(stored(seed, session.rig, ball));
+  const auto rig = std::make_shared<const RigFile>(session.rig);
+  for (const std::uint32_t seed : {1U, 2U, 3U}) session.shots.push_back(stored(seed, rig, ball));
   return session;
 }
 
@@ -86,6 +88,6 @@ TEST(SeriesOfASession, CountsARejectedShotWithoutABudget) {
   const SeriesSummary summary = summarize("", shots);
   CHECK_EQUAL(2, summary.counted);
   CHECK_EQUAL(1, summary.rejected);
-  CHECK_FALSE(frame_of(session.shots[1], session.rig).has_value());
-  CHECK_TRUE(frame_of(session.shots[0], session.rig)->images.size() > 5);
+  CHECK_FALSE(frame_of(session.shots[1]).has_value());
+  CHECK_TRUE(frame_of(session.shots[0])->images.size() > 5);
 }
