@@ -65,9 +65,9 @@ End end_of(const std::vector<double>& sorted, double share) {
   return {draw(at), 0.5 * (draw(at + reach) - draw(at - reach))};
 }
 
-/// Half a unit of its second significant digit.
-double tolerance_of(double standard_uncertainty) {
-  return 0.5 * std::pow(10.0, std::floor(std::log10(standard_uncertainty)) - 1.0);
+/// Half a unit of its last significant digit, if it has so many.
+double tolerance_of(double standard_uncertainty, int digits) {
+  return 0.5 * std::pow(10.0, std::floor(std::log10(standard_uncertainty)) + 1.0 - digits);
 }
 
 Agreement agreement(double off, double tolerance, double end_sd) {
@@ -93,10 +93,13 @@ std::optional<DrawnNumber> summary(std::vector<double>& values, const Readout& r
   number.end_sd = std::max(low.sd, high.sd);
   const double sd = std::hypot(*readout.sd[q], readout.sd_systematic[q].value_or(0.0));
   if (!(sd > 0.0)) return number;
-  number.tolerance = tolerance_of(sd);
   const double off = std::max(std::abs(*readout.value[q] - *expanded - number.low),
                               std::abs(*readout.value[q] + *expanded - number.high));
-  number.agrees = agreement(off, number.tolerance, number.end_sd);
+  for (number.digits = 2; number.digits > 0; --number.digits) {
+    number.tolerance = tolerance_of(sd, number.digits);
+    number.agrees = agreement(off, number.tolerance, number.end_sd);
+    if (number.agrees != Agreement::open || number.digits == 1) break;
+  }
   return number;
 }
 

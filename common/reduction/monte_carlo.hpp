@@ -27,8 +27,10 @@ struct DrawnNumber {
   double mean = 0.0;
   double sd = 0.0;
   double low = 0.0, high = 0.0;  ///< 2.5 % of the draws are below, 2.5 % above
-  /// Half a unit in the second significant digit of the stated standard uncertainty (JCGM 101, 7.9.2).
+  /// Half a unit in the second significant digit of the stated standard uncertainty, or in the first where the draws are
+  /// too few for two (JCGM 101, 7.9.2 and 8.1).
   double tolerance = 0.0;
+  int digits = 2;
   double end_sd = 0.0;  ///< of low and high, from the number of draws; the larger
   Agreement agrees = Agreement::open;
 };

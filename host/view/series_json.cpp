@@ -105,10 +105,11 @@ ordered_json monte_carlo_json(const reduction::MonteCarlo& drawn) {
     const auto q = static_cast<Quantity>(i);
     const auto& d = drawn.of(q);
     quantities[key(q)] =
-        !d ? ordered_json() : ordered_json{{"draws", d->draws},   {"mean", d->mean},
-                                           {"sd", d->sd},         {"low", d->low},
-                                           {"high", d->high},     {"tolerance", d->tolerance},
-                                           {"end_sd", d->end_sd}, {"agrees", agreement_name(d->agrees)}};
+        !d ? ordered_json()
+           : ordered_json{
+                 {"draws", d->draws},   {"mean", d->mean},     {"sd", d->sd},
+                 {"low", d->low},       {"high", d->high},     {"tolerance", d->tolerance},
+                 {"digits", d->digits}, {"end_sd", d->end_sd}, {"agrees", agreement_name(d->agrees)}};
   }
   return object;
 }

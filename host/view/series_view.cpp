@@ -68,10 +68,10 @@ std::string more_words(const QuantityDifference& d) {
   return fmt::format("{} + {}", *d.more_first, *d.more_second);
 }
 
-std::string_view agreement_words(reduction::Agreement agrees) {
-  switch (agrees) {
+std::string agreement_words(const reduction::DrawnNumber& d) {
+  switch (d.agrees) {
     case reduction::Agreement::yes:
-      return "yes";
+      return d.digits == 2 ? "yes, to two digits" : "yes, to one digit";
     case reduction::Agreement::no:
       return "NO";
     default:
@@ -93,7 +93,7 @@ Lines render_summary(const SeriesSummary& summary, const std::optional<thesis::C
   }
   Lines lines{name + ": " + shots_words(summary)};
   lines.push_back(header({"mean", "± 95 %", "total sd", "scatter", "std error", "shared"}) + right("n", 5) +
-                  (condition ? "    " + thesis_title(*condition) : ""));
+                  (condition ? " " + thesis_title(*condition) : ""));
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
     const QuantitySummary& s = summary.quantities[i];
@@ -137,7 +137,7 @@ Lines render_budget(const std::string& title, const std::vector<BudgetLine>& bud
 Lines render_comparison(const std::string& first, const std::string& second, const Comparison& comparison,
                         std::size_t width, bool all) {
   Lines lines{fmt::format("{} less {}", first, second),
-              header({"difference", "± 95 %", "total sd", "std error", "shared", "p"}) + "  shots to decide"};
+              header({"difference", "± 95 %", "total sd", "std error", "shared", "p"}) + "  further shots"};
   bool any = false;
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
@@ -165,7 +165,7 @@ Lines render_monte_carlo(const reduction::MonteCarlo& drawn, const std::string& 
     if (!d || !is_row_of(q, all)) continue;
     lines.push_back(label_cells(q) + cell(d->mean, d->sd) + cell(d->sd, d->sd) + cell(d->low, d->sd) +
                     cell(d->high, d->sd) + right(fmt::format("{:.1g}", d->tolerance), kNumberWidth) + "  " +
-                    std::string(agreement_words(d->agrees)));
+                    agreement_words(*d));
   }
   return fitted(std::move(lines), width);
 }
