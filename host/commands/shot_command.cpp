@@ -144,7 +144,7 @@ void add_shot_command(CLI::App& app, int& exit_status) {
       "          strobe shot run1 3 --overlay shot3.png\n"
       "          strobe shot run1 3 --edit corrections.toml\n"
       "Exit status: 2 if there is no such shot, or it cannot be done.");
-  command_line::for_experts(*command, {"--noise", "--rig", "--key-file"});
+  command_line::for_experts(*command, {"--noise", "--budget", "--rig", "--key-file"});
   command->callback([options, &exit_status] { exit_status = run_shot(*options); });
 }
 

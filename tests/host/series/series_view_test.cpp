@@ -50,7 +50,7 @@ TEST(SeriesView, NamesOutliersWithTheRule) {
   const auto summary = summarize("a", series_shots({10.0, 10.1, 9.9, 10.05, 9.95, 14.0}));
   const auto lines = render_summary(summary, std::nullopt, 120);
   STRCMP_CONTAINS("shot 6 stands apart in vx touchdown", row(lines, "! shot 6").c_str());
-  STRCMP_CONTAINS("Grubbs's test, 1 %", row(lines, " (Grubbs").c_str());
+  STRCMP_CONTAINS("Grubbs's test, 1 %", row(lines, "  (Grubbs").c_str());
 }
 
 TEST(SeriesView, HasTheBudgetOfAMean) {
