@@ -38,7 +38,7 @@ SeriesShot series_shot(const ShotResult& result, reduction::Budget budget, const
   return shot;
 }
 
-std::optional<reduction::Frame> frame_of(const StoredShot& shot) {
+std::optional<reduction::Frame> matched_frame(const StoredShot& shot) {
   if (!shot.summary || shot.digitizations.empty()) return std::nullopt;
   AssembledShot assembled =
       assemble(*shot.summary, shot.digitizations.back().frame, assembly_settings(*shot.rig));

@@ -14,7 +14,7 @@ namespace strobe::host {
 std::vector<SeriesShot> series_shots(const StoredSession& session, const std::string& session_name);
 
 /// The shot's frame with the likeliest times of its flashes; absent without one.
-std::optional<reduction::Frame> frame_of(const StoredShot& shot);
+std::optional<reduction::Frame> matched_frame(const StoredShot& shot);
 
 /// Of the digitization that counts; empty without one.
 reduction::Budget budget_of(const StoredShot& shot);

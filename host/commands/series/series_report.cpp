@@ -148,7 +148,7 @@ class Report {
       if (!wanted.session.empty() && wanted.session != session.name) continue;
       for (const StoredShot& stored : session.session.shots) {
         if (stored.name != wanted.name) continue;
-        const auto frame = frame_of(stored);
+        const auto frame = matched_frame(stored);
         if (!frame) return std::nullopt;
         const auto result = reduction::monte_carlo(*frame, settings_.draws, kSeed);
         return result ? std::optional(*result) : std::nullopt;

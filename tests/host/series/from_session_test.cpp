@@ -88,6 +88,6 @@ TEST(SeriesOfASession, CountsARejectedShotWithoutABudget) {
   const SeriesSummary summary = summarize("", shots);
   CHECK_EQUAL(2, summary.counted);
   CHECK_EQUAL(1, summary.rejected);
-  CHECK_FALSE(frame_of(session.shots[1]).has_value());
-  CHECK_TRUE(frame_of(session.shots[0])->images.size() > 5);
+  CHECK_FALSE(matched_frame(session.shots[1]).has_value());
+  CHECK_TRUE(matched_frame(session.shots[0])->images.size() > 5);
 }
