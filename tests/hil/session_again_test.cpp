@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A ball of 98 px: quick to render and to measure on a busy machine.
-RigFixtureOptions small_sensor(const fs::path& photographs) {
+RigFixtureOptions quick_camera(const fs::path& photographs) {
   RigFixtureOptions options;
   options.scene_addition = "[camera]\npx_per_m = 1500\norigin_x_px = 600\norigin_y_px = 150\n";
   options.rig_edits = kShortExposure;
@@ -33,13 +33,13 @@ RigFixtureOptions small_sensor(const fs::path& photographs) {
   return options;
 }
 
-fs::path host_log(const fs::path& session) {
+fs::path log_in(const fs::path& session) {
   for (const auto& entry : fs::directory_iterator(session))
     if (entry.path().filename().string().starts_with("host-")) return entry.path();
   return {};
 }
 
-int files_in(const fs::path& folder, const std::string& ending) {
+int files_ending(const fs::path& folder, const std::string& ending) {
   int count = 0;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error))
@@ -76,7 +76,7 @@ TEST_GROUP(SessionAgain) {
   std::string printed;
 
   void fire(int shots) {
-    bench = std::make_unique<RigFixture>(small_sensor(camera.path()));
+    bench = std::make_unique<RigFixture>(quick_camera(camera.path()));
     expect_ready(*bench);
     const auto fired =
         strobe::testing::run_process(bench->fire(shots, kRetries, {"--photographs", camera.path()}), 240s);
@@ -149,7 +149,7 @@ TEST(SessionAgain, GivesWhatFireShowedAndTakesCorrections) {
   // Given twice it is kept once.
   const auto twice = run({"shot", session, name, "--edit", corrections, "--json"});
   CHECK_EQUAL(readout_lines(edited.out), readout_lines(twice.out));
-  LONGS_EQUAL(1, files_in(bench->session() / "digitizations", ".json"));
+  LONGS_EQUAL(1, files_ending(bench->session() / "digitizations", ".json"));
   // The table follows it.
   run({"replay", session, "--results"});
   CHECK(results().find(",corrected," + name + "\n") != std::string::npos);
@@ -167,7 +167,7 @@ TEST(SessionAgain, DigitizesWhatAKilledHostLeft) {
   fire(1);
   const std::string session = bench->session();
   const std::string table = results();
-  cut_before_the_first_frame(host_log(bench->session()));
+  cut_before_the_first_frame(log_in(bench->session()));
   fs::remove(bench->session() / "results.csv");
   const auto left = run({"replay", session, "--json"});
   LONGS_EQUAL(readouts(printed).size(), readouts(left.out).size());
