@@ -209,10 +209,16 @@ class Session {
     if (!log_lost_) judge_by_the_logs(counts);
     std::set<int> numbers;
     for (const auto& [key, count] : rows) numbers.insert(key.second);
+    int nameless = 0;  // the simulator knows a shot's number from its summary
     for (const auto& truth : bench_.truths()) {
       const int id = truth.at("shot_id").get<int>();
-      if (!numbers.contains(id)) violate(fmt::format("the ball of shot {} was thrown and is in no row", id));
+      nameless += id == 0 ? 1 : 0;
+      if (id != 0 && !numbers.contains(id))
+        violate(fmt::format("the ball of shot {} was thrown and is in no row", id));
     }
+    if (nameless > verdict_.cut_off)
+      violate(fmt::format("{} balls were thrown in shots without an end, of which there are {}", nameless,
+                          verdict_.cut_off));
   }
 
   /// The folder read back, as every other command does: the same shots, and the same of them count.
