@@ -24,7 +24,6 @@ namespace strobe::host {
 namespace {
 
 namespace fs = std::filesystem;
-using lab_report::Report;
 using lab_report::ReportInput;
 
 struct ReportOptions {
@@ -41,7 +40,7 @@ struct ReportOptions {
 };
 
 /// Work of more than two seconds is told of, from then on.
-class Progress {
+class ReportProgress {
  public:
   void tell(std::size_t done, std::size_t of, const std::string& at) {
     const auto now = std::chrono::steady_clock::now();
@@ -52,12 +51,12 @@ class Progress {
                  terminal ? "" : "\n");
     line_open_ = terminal;
   }
-  ~Progress() {
+  ~ReportProgress() {
     if (line_open_) std::fputs("\r\033[K", stderr);
   }
-  Progress() = default;
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
+  ReportProgress() = default;
+  ReportProgress(const ReportProgress&) = delete;
+  ReportProgress& operator=(const ReportProgress&) = delete;
 
  private:
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
@@ -93,7 +92,7 @@ Result<void> take_limits(const ReportOptions& options, ReportInput& input) {
   return {};
 }
 
-Result<void> read_sessions(const ReportOptions& options, ReportInput& input, Progress& progress) {
+Result<void> read_for_report(const ReportOptions& options, ReportInput& input, ReportProgress& progress) {
   for (std::size_t i = 0; i < options.folders.size(); ++i) {
     ReadSessionOptions how{.rig_path = options.rig_path, .key_file = options.key_file, .progress = {}};
     how.progress = [&](double share) {
@@ -119,7 +118,7 @@ fs::path html_path(const ReportOptions& options) {
   return options.out.empty() ? fs::path(options.folders.front()) / "report.html" : fs::path(options.out);
 }
 
-int write_files(const Report& made, const ReportOptions& options, const fs::path& printer) {
+int write_report(const lab_report::Report& made, const ReportOptions& options, const fs::path& printer) {
   const fs::path html = html_path(options);
   if (const auto done = config::write_file(html, lab_report::render_html(made)); !done)
     return failed("report: " + done.error().message);
@@ -145,8 +144,8 @@ int run_report(const ReportOptions& options) {
     if (!found) return failed("report: " + found.error().message);
     printer = *found;
   }
-  Progress progress;
-  if (const auto read = read_sessions(options, input, progress); !read)
+  ReportProgress progress;
+  if (const auto read = read_for_report(options, input, progress); !read)
     return bad_input(read.error().message);
   input.summarize = lab_report::summarize_shots(input.sessions);
   const auto thesis = thesis_inputs();
@@ -154,10 +153,10 @@ int run_report(const ReportOptions& options) {
   input.progress = [&](std::size_t done, std::size_t of, const std::string& at) {
     progress.tell(done, of, at);
   };
-  const Report made = lab_report::build_report(input);
+  const lab_report::Report made = lab_report::build_report(input);
   if (options.json) std::printf("%s\n", lab_report::report_json(made).c_str());
   if (options.json && options.out.empty() && !options.pdf) return kDone;
-  return write_files(made, options, printer);
+  return write_report(made, options, printer);
 }
 
 /// What few state on the command line: the rig file is the place for it.
