@@ -112,7 +112,7 @@ TEST(SessionAgain, GivesWhatFireShowedAndTakesCorrections) {
   CHECK(fs::exists(photograph));
 
   // An image in the middle of the way up is moved by a quarter of a pixel, another one removed.
-  const auto found = run({"digitize", photograph, "--rig", bench->session() / "rig.toml", "--json"});
+  const auto found = run({"digitize", photograph, "--json"});
   const json images = strobe::testing::parse_json_lines(found.out).at(0).at("images");
   const auto &removed = images.at(1).at("centre_px"), &moved = images.at(images.size() - 2).at("centre_px");
   const std::string corrections = camera / "corrections.toml";
@@ -136,8 +136,7 @@ TEST(SessionAgain, GivesWhatFireShowedAndTakesCorrections) {
   CHECK_EQUAL(strobe::testing::read_text(corrections),
               strobe::testing::read_text(bench->session() / counts.at("corrections").get<std::string>()));
   // The same bytes of images as `strobe digitize` gives, but for times, which it was not told.
-  const auto alone =
-      run({"digitize", photograph, "--rig", bench->session() / "rig.toml", "--edit", corrections, "--json"});
+  const auto alone = run({"digitize", photograph, "--edit", corrections, "--json"});
   json expected = strobe::testing::parse_json_lines(alone.out).at(0).at("images");
   json kept = strobe::testing::read_json_lines(bench->session() / counts.at("file").get<std::string>())
                   .at(0)
