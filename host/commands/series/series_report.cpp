@@ -79,10 +79,10 @@ ordered_json shots_json(const ShotGroup& group) {
   return shots;
 }
 
-class Report {
+class SeriesPrinter {
  public:
-  Report(const std::vector<NamedSession>& sessions, const SelectedShots& selected,
-         const SeriesReportSettings& settings)
+  SeriesPrinter(const std::vector<NamedSession>& sessions, const SelectedShots& selected,
+                const SeriesReportSettings& settings)
       : sessions_(sessions), selected_(selected), settings_(settings) {}
 
   Result<void> run() {
@@ -186,7 +186,7 @@ class Report {
 
 Result<void> report_series(const std::vector<NamedSession>& sessions, const SelectedShots& selected,
                            const SeriesReportSettings& settings) {
-  return Report(sessions, selected, settings).run();
+  return SeriesPrinter(sessions, selected, settings).run();
 }
 
 }  // namespace strobe::host
