@@ -37,17 +37,18 @@ constexpr int kMaxBlocksNotRun = 7;
 bool runs(const Block& block) { return block.info == "sh"; }
 bool is_marked(const Block& block) { return block.info.rfind("sh not-run-in-tests: ", 0) == 0; }
 
-/// From an empty bench to a report: read like a README.
+/// Guides, which are read like a README.
 constexpr const char* kBench = "firmware/BENCH.md";
+constexpr const char* kExperiment = "host/EXPERIMENT.md";
 
-/// All README.md of the tree and the guide to the bench, as paths from its root, the front page first.
+/// All README.md of the tree and the guides, as paths from its root, the front page first.
 std::vector<std::string> readmes() {
   std::vector<std::string> found{"README.md"};
   for (const char* folder : {"common", "firmware", "host", "sim", "tests"}) {
     for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder))
-      if (entry.path().filename() == "README.md" || entry.path().filename() == fs::path(kBench).filename())
-        found.push_back(fs::relative(entry.path(), kRoot).string());
+      if (entry.path().filename() == "README.md") found.push_back(fs::relative(entry.path(), kRoot).string());
   }
+  found.insert(found.end(), {kBench, kExperiment});
   std::sort(found.begin() + 1, found.end());
   return found;
 }
@@ -138,16 +139,34 @@ std::vector<std::string> unknown_names(const std::string& command) {
   return unknown;
 }
 
+/// How many of the table's shots count, each of which must stand there once.
+int counted_rows(const fs::path& results) {
+  static const std::regex begin("[^,]*,([0-9a-f]+,[0-9]+),(.?)");  // utc, boot_id, shot_id, rejected
+  std::set<std::string> shots;
+  int counted = 0;
+  std::istringstream rows(strobe::testing::read_text(results));
+  std::string row;
+  std::getline(rows, row);
+  while (std::getline(rows, row)) {
+    std::smatch cells;
+    CHECK_TEXT(std::regex_search(row, cells, begin, std::regex_constants::match_continuous), row.c_str());
+    CHECK_TEXT(shots.insert(cells[1]).second, row.c_str());
+    if (cells[2] == ",") ++counted;
+  }
+  return counted;
+}
+
 }  // namespace
 
 TEST_GROUP(Readme){
     /// Runs the blocks of one README in order, in a folder that looks like a built clone.
-    void check_commands(const std::string& readme){const strobe::testing::TemporaryFolder clone;
-imitate_repository(clone.path());
+    void check_commands(const std::string& readme,
+                        const strobe::testing::TemporaryFolder& clone){imitate_repository(clone.path());
 const std::string script = script_of(readme, parse(text_of(readme)).blocks);
 const auto finished = strobe::testing::run_process({{"bash", "-c", script}, {}, clone.path(), {}}, 900s);
 CHECK_TEXT(finished.status == ExitStatus({0, 0}), (readme + "\n" + tail(finished.err, 4000)).c_str());
 }
+void check_commands(const std::string& readme) { check_commands(readme, strobe::testing::TemporaryFolder()); }
 }
 ;
 
@@ -158,7 +177,21 @@ TEST(Readme, CommandsOfTheGuideToTheBenchWorkAsTyped) { check_commands(kBench); 
 
 TEST(Readme, CommandsOfAllOthersWorkAsTyped) {
   for (const std::string& readme : readmes())
-    if (readme != "README.md" && readme != "host/README.md" && readme != kBench) check_commands(readme);
+    if (readme != "README.md" && readme != "host/README.md" && readme != kBench && readme != kExperiment)
+      check_commands(readme);
+}
+
+// Interrupted, gone on with and corrected: no shot is missing from the table or stands in it twice.
+TEST(Readme, TheGuideToAnExperimentWorksAsTyped) {
+  const strobe::testing::TemporaryFolder clone;
+  check_commands(kExperiment, clone);
+  const fs::path folder = clone.path() / "sessions" / "experiment";
+  LONGS_EQUAL(10, counted_rows(folder / "hard" / "results.csv"));
+  LONGS_EQUAL(5, counted_rows(folder / "soft" / "results.csv"));
+  STRCMP_CONTAINS(",corrected,3\n", strobe::testing::read_text(folder / "hard" / "results.csv").c_str());
+  const std::string report = strobe::testing::read_text(folder / "hard.html");
+  STRCMP_CONTAINS("Example laboratory", report.c_str());
+  STRCMP_CONTAINS("A. Author", report.c_str());
 }
 
 TEST(Readme, TheGuidesPinsAreThoseOfTheRaspberryPisRigFiles) {
