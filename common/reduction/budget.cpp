@@ -30,7 +30,7 @@ constexpr std::array<std::string_view, kSourceCount> kNames{"centres",
                                                             "lift coefficient, rebound",
                                                             "spin decay"};
 
-double difference(const std::optional<double>& up, const std::optional<double>& down) {
+double difference_of(const std::optional<double>& up, const std::optional<double>& down) {
   return up && down ? (*up - *down) / (2.0 * kStep_sd) : 0.0;
 }
 
@@ -47,19 +47,19 @@ std::array<double, kQuantityCount> effects(const Inputs& inputs, const Input& in
   std::array<double, kQuantityCount> by_one{};
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
-    by_one[i] = difference(up[q], down[q]);
+    by_one[i] = difference_of(up[q], down[q]);
   }
   return by_one;
 }
 
 /// The fit ends within a millionth of an sd: differences below this share of the number's own sd are rounding.
-constexpr double kRounding = 1e-5;
+constexpr double kNoEffect = 1e-5;
 
 void drop_rounding(const Readout& readout, BudgetSource& source) {
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
     const double sd = std::hypot(readout.sd[q].value_or(0.0), readout.sd_systematic[q].value_or(0.0));
-    if (std::abs(source.effect[i]) < kRounding * sd) source.effect[i] = 0.0;
+    if (std::abs(source.effect[i]) < kNoEffect * sd) source.effect[i] = 0.0;
   }
 }
 

@@ -10,7 +10,7 @@
 #include "common/config/files.hpp"
 #include "host/archive/photograph_files.hpp"
 #include "host/archive/played_session.hpp"
-#include "host/archive/run_records.hpp"
+#include "host/session/run_record.hpp"
 #include "host/archive/session_rigs.hpp"
 #include "host/archive/shot_outcome.hpp"
 #include "host/archive/stored_digitizations.hpp"
@@ -98,24 +98,24 @@ std::optional<authentication::Key> SessionReader::sealing_key() {
 
 void SessionReader::find_runs() {
   if (const auto text = config::read_file((session_.folder / "runs.jsonl").string())) {
-    RunRecords records = parse_run_records(*text);
+    RunRecords records = parse_runs(*text);
     session_.runs = std::move(records.runs);
     for (std::string& told : records.remarks) remark(std::move(told));
   }
   const bool nobody = fired_->commanding_hosts().empty() && session_.runs.empty();
   for (const auto& [host, heard] : nobody ? fired_->reading_hosts() : fired_->commanding_hosts())
     add_unrecorded_run(host, heard.time);
-  std::ranges::stable_sort(session_.runs, {}, &StoredRun::utc);
-  for (const StoredRun& run : session_.runs) own_hosts_.insert(run.host_id);
+  std::ranges::stable_sort(session_.runs, {}, &RunRecord::utc);
+  for (const RunRecord& run : session_.runs) own_hosts_.insert(run.host_id);
   if (own_hosts_.empty())
     remark("no run of strobe fire is known here: every shot is taken for the session's own");
 }
 
 /// Of a version that kept no runs, or whose record of it was lost.
 void SessionReader::add_unrecorded_run(std::int64_t host, WallTime time) {
-  if (std::ranges::any_of(session_.runs, [host](const StoredRun& run) { return run.host_id == host; }))
+  if (std::ranges::any_of(session_.runs, [host](const RunRecord& run) { return run.host_id == host; }))
     return;
-  StoredRun run;
+  RunRecord run;
   run.host_id = host;
   run.utc = utc_for_table(time);
   session_.runs.push_back(std::move(run));

@@ -28,7 +28,7 @@ using nlohmann::ordered_json;
 digitize::Effort effort_of(const StoredSession& session, std::int64_t host_id) {
   constexpr std::string_view kOption = "--effort";
   std::string name = "standard";
-  for (const StoredRun& run : session.runs) {
+  for (const RunRecord& run : session.runs) {
     if (run.host_id != host_id) continue;
     for (std::size_t i = 0; i < run.command.size(); ++i) {
       const std::string& word = run.command[i];

@@ -13,6 +13,7 @@
 
 #include "common/shot/shot_key.hpp"
 #include "host/config/rig_file.hpp"
+#include "host/session/run_record.hpp"
 #include "host/session/session.hpp"
 
 namespace strobe::host {
@@ -40,25 +41,12 @@ struct StoredShot {
   ShotResult result;                                ///< of the newest digitization
 };
 
-/// One start of `strobe fire`, as it was asked for.
-struct StoredRun {
-  std::string utc;
-  std::int64_t host_id = 0;
-  std::string version;               ///< of strobe; empty in folders of versions that kept no runs
-  std::string operator_name;         ///< login name and machine
-  int shots = 0;                     ///< asked for
-  bool until = false;                ///< `shots` counts the whole session's, not this run's
-  reduction::Record notes;           ///< --spin, --angle, --note
-  std::string plan_file;             ///< in the folder
-  std::vector<std::string> command;  ///< as it was typed, word by word
-};
-
 struct StoredSession {
   std::filesystem::path folder;
   RigFile rig;                              ///< as used
   std::string plan_text;                    ///< likewise
   std::vector<std::filesystem::path> logs;  ///< those that were read, oldest first
-  std::vector<StoredRun> runs;              ///< oldest first
+  std::vector<RunRecord> runs;              ///< oldest first; of hosts without a record only utc and host_id
   std::vector<StoredShot> shots;            ///< as fired; dry ones are left out
   std::vector<std::string> remarks;         ///< what could not be read or is missing, a sentence each
   bool verified = false;                    ///< all is sealed with the lab's key

@@ -11,7 +11,6 @@
 #include "host/assembly/flash_match.hpp"
 #include "host/assembly/flash_times.hpp"
 #include "host/assembly/image_track.hpp"
-#include "host/assembly/shot_budget.hpp"
 #include "host/assembly/steady_flight.hpp"
 #include "host/config/notes.hpp"
 
@@ -251,7 +250,7 @@ ShotReadout shot_readout(const shot_t& shot, const frame_t& frame, const Assembl
   readout->flags.merge(assembled.flags);
   readout->flashes = assembled.flashes;
   ShotReadout result{std::move(*readout), assembled.problem};
-  if (settings.budgets) result.budget = shot_budget(assembled, result.readout);
+  if (settings.budgets) result.assembled = std::move(assembled);
   return result;
 }
 

@@ -22,7 +22,7 @@ struct AssemblySettings {
   AnalysisSettings analysis;
   std::optional<double> machine_lag_s;
   CameraTable camera;    ///< for the map's errors
-  bool budgets = false;  ///< give ShotReadout::budget: some milliseconds a shot
+  bool budgets = false;  ///< give ShotReadout::assembled
 };
 
 AssemblySettings assembly_settings(const RigFile& rig);
@@ -49,8 +49,8 @@ reduction::Readout empty_readout(const strobe_msgs::shot_t& shot, const reductio
 
 struct ShotReadout {
   reduction::Readout readout;
-  std::string problem;                        ///< for a person; empty if the flags say all
-  std::optional<reduction::Budget> budget{};  ///< if asked for
+  std::string problem;                       ///< for a person; empty if the flags say all
+  std::optional<AssembledShot> assembled{};  ///< if budgets are asked for: for shot_budget()
 };
 
 /// Assembles and reduces with the best estimator, to the mixture over the plausible assignments of flashes to images

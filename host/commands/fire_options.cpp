@@ -97,16 +97,16 @@ Result<reduction::Record> notes_of(const FireOptions& options) {
 Result<FireOptions> resumed(const FireOptions& given) {
   if (given.session.empty()) return fail("--resume: which session? Name its folder with --session");
   const fs::path folder = given.session;
-  const auto runs = read_runs(folder / "runs.jsonl");
-  if (!runs) return tl::unexpected(runs.error());
-  if (runs->empty()) {
+  const auto read = read_runs(folder / "runs.jsonl");
+  if (!read) return tl::unexpected(read.error());
+  const std::vector<RunRecord>& runs = read->runs;
+  if (runs.empty()) {
     return fail(
         fmt::format("--resume: {} tells of no run to go on with; --until N fires until a session has N shots",
                     (folder / "runs.jsonl").string()));
   }
-  const auto found =
-      std::find_if(runs->rbegin(), runs->rend(), [](const RunRecord& run) { return !run.dry; });
-  if (found == runs->rend())
+  const auto found = std::find_if(runs.rbegin(), runs.rend(), [](const RunRecord& run) { return !run.dry; });
+  if (found == runs.rend())
     return fail("--resume: the session's runs were dry: there is nothing to go on with");
   const RunRecord& last = *found;
   const fs::path plan = folder / last.plan_file;

@@ -187,11 +187,18 @@ class FireRun {
       terminal_.note(fmt::format("{} events are still missing here", missing_events()));
   }
 
+  void print_series() {
+    if (request_.style == Terminal::Style::json || terminal_.model().series.counted() == 0) return;
+    print(render_series(terminal_.model().series, request_.condition, kPlainWidth, request_.all));
+    if (request_.series.counted > 0)
+      print({fmt::format("  These are this run's shots. All of the session's: strobe series {}",
+                         request_.session)});
+  }
+
   int conclude() {
     const ShotSeries& series = runner_.series();
     const bool dry = request_.series.plan.dry;
-    if (request_.style != Terminal::Style::json && !dry && terminal_.model().series.counted() > 0)
-      print(render_series(terminal_.model().series, request_.condition, kPlainWidth, request_.all));
+    if (!dry) print_series();
     const std::string summary =
         fmt::format("{} of {} {} {}, {} fired again; session in {}", series.good(), request_.series.shots,
                     request_.series.shots == 1 ? "shot" : "shots", dry ? "fired dry" : "counted",

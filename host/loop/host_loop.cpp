@@ -6,6 +6,7 @@
 
 #include "common/messages/encode.hpp"
 #include "common/messages/lcm_conversions.hpp"
+#include "host/assembly/shot_budget.hpp"
 
 namespace strobe::host {
 namespace {
@@ -168,6 +169,12 @@ void HostLoop::publish(messages::Channel channel, const Message& message) {
   transport_.publish(name, seal_ ? seal_->seal(name, bytes, {settings_.host_id, ++packets_sealed_}) : bytes);
 }
 
+/// Some milliseconds, which nobody who waits for the readout's message waits for.
+void HostLoop::make_budget(ShotResult& result) {
+  if (result.assembled) result.budget = shot_budget(*result.assembled, result.readout);
+  result.assembled.reset();
+}
+
 void HostLoop::report() {
   for (const std::string& text : session_.take_notifications()) notify(text);
   for (ShotResult& result : session_.take_shot_results()) {
@@ -177,6 +184,7 @@ void HostLoop::report() {
       publish(messages::Channel::readout,
               messages::readout_to_lcm(result.readout, settings_.host_id, result.boot_id));
     }
+    make_budget(result);
     for (HostListener* listener : listeners_) listener->on_shot_result(result);
   }
 }

@@ -106,6 +106,7 @@ class HostLoop final : private MessageHandler {
   std::int64_t firmware_boot_time_ns(std::int64_t boot_id);
   void publish_photographs();
   void request_lost_events();
+  static void make_budget(ShotResult& result);
   void report();
   void report_fault();
   void tell_not_kept(const std::string& text);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <nlohmann/json.hpp>
 
 #include "common/reduction/readout.hpp"
 #include "host/config/notes.hpp"
@@ -119,15 +118,22 @@ std::vector<Column> make_flashes_columns() {
   };
 }
 
-nlohmann::ordered_json column_json(const Column& column) {
-  nlohmann::ordered_json json;
-  json["name"] = column.name;
-  json["titles"] = column.name;
-  json["datatype"] = column.datatype;
-  if (column.separator != 0) json["separator"] = std::string(1, column.separator);
-  if (!column.unit.empty()) json["schema:unitCode"] = column.unit;
-  json["dc:description"] = column.meaning;
-  return json;
+/// In quotes. Written as text, since nlohmann's destructors need memory: where there is none they end the program.
+std::string json_string(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += c;
+  }
+  return result + "\"";
+}
+
+std::string column_json(const Column& column) {
+  std::string json = fmt::format("{{\"name\": {0}, \"titles\": {0}, \"datatype\": {1}", json_string(column.name),
+                                 json_string(column.datatype));
+  if (column.separator != 0) json += fmt::format(", \"separator\": \"{}\"", column.separator);
+  if (!column.unit.empty()) json += fmt::format(", \"schema:unitCode\": {}", json_string(column.unit));
+  return json + fmt::format(", \"dc:description\": {}}}", json_string(column.meaning));
 }
 
 }  // namespace
@@ -150,13 +156,13 @@ std::string csv_header(std::span<const Column> columns) {
 
 std::string data_dictionary(std::string_view file_name, std::string_view title,
                             std::span<const Column> columns) {
-  nlohmann::ordered_json json;
-  json["@context"] = "http://www.w3.org/ns/csvw";
-  json["url"] = std::string(file_name);
-  json["dc:title"] = std::string(title);
-  json["tableSchema"]["columns"] = nlohmann::ordered_json::array();
-  for (const Column& column : columns) json["tableSchema"]["columns"].push_back(column_json(column));
-  return json.dump(1) + "\n";
+  std::string json = fmt::format(
+      "{{\n  \"@context\": \"http://www.w3.org/ns/csvw\",\n  \"url\": {},\n  \"dc:title\": {},\n"
+      "  \"tableSchema\": {{\n    \"columns\": [",
+      json_string(file_name), json_string(title));
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    json += fmt::format("{}\n      {}", i == 0 ? "" : ",", column_json(columns[i]));
+  return json + "\n    ]\n  }\n}\n";
 }
 
 }  // namespace strobe::host

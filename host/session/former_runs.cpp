@@ -142,7 +142,7 @@ Result<FormerRuns> read_former_runs(const fs::path& folder, const std::string& r
   FormerRuns former;
   auto runs = read_runs(folder / "runs.jsonl");
   if (!runs) return tl::unexpected(runs.error());
-  former.runs = std::move(*runs);
+  former.runs = std::move(runs->runs);
   for (const RunRecord& run : former.runs) former.host_ids.insert(run.host_id);
   former.results = read_result_rows(folder);
   RunReader reader(rig, key, former);

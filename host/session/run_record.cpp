@@ -1,8 +1,9 @@
 #include "host/session/run_record.hpp"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <system_error>
 
 #include "common/config/files.hpp"
@@ -26,11 +27,11 @@ Value value_of(const Json& object, const char* key, Value fallback) {
 std::int64_t host_id_of(const Json& object) {
   const std::string text = value_of(object, "host_id", std::string());
   std::int64_t id = 0;
-  std::from_chars(text.data(), text.data() + text.size(), id);
-  return id;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), id);
+  return read.ec == std::errc() && read.ptr == text.data() + text.size() ? id : 0;
 }
 
-std::optional<RunRecord> run_of(const std::string& line) {
+std::optional<RunRecord> run_of(std::string_view line) {
   const Json object = Json::parse(line, nullptr, false);
   if (!object.is_object()) return std::nullopt;
   RunRecord run;
@@ -86,16 +87,29 @@ std::string run_line(const RunRecord& run) {
   return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-Result<std::vector<RunRecord>> read_runs(const std::filesystem::path& path) {
+RunRecords parse_runs(std::string_view text) {
+  RunRecords records;
+  for (int number = 1; !text.empty(); ++number) {
+    const std::size_t end = text.find('\n');
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
+    if (auto run = run_of(line)) {
+      records.runs.push_back(std::move(*run));
+    } else {
+      records.remarks.push_back(
+          fmt::format("runs.jsonl:{}: not the record of a run; it is left out", number));
+    }
+  }
+  return records;
+}
+
+Result<RunRecords> read_runs(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) return std::vector<RunRecord>{};
+  if (!std::filesystem::exists(path, error)) return RunRecords{};
   const auto text = config::read_file(path.string());
   if (!text) return tl::unexpected(text.error());
-  std::vector<RunRecord> runs;
-  std::istringstream lines(*text);
-  for (std::string line; std::getline(lines, line);)
-    if (auto run = run_of(line)) runs.push_back(std::move(*run));
-  return runs;
+  return parse_runs(*text);
 }
 
 }  // namespace strobe::host

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/reduction/frame.hpp"
@@ -37,8 +38,17 @@ struct RunRecord {
 /// One line, with its end.
 std::string run_line(const RunRecord& run);
 
-/// Oldest first; none if there is no such file. A line that a power cut tore is left out. Fails on a file that
-/// cannot be read.
-Result<std::vector<RunRecord>> read_runs(const std::filesystem::path& path);
+struct RunRecords {
+  std::vector<RunRecord> runs;  ///< oldest first
+  std::vector<std::string>
+      remarks;  ///< a sentence for each line that is no record, such as one that a power cut tore
+};
+
+/// Any bytes. A line without a host_id, or that is no JSON object, is left out and told. What else is absent or of another
+/// type is as RunRecord has it by default.
+RunRecords parse_runs(std::string_view text);
+
+/// No runs if there is no such file. Fails on a file that cannot be read.
+Result<RunRecords> read_runs(const std::filesystem::path& path);
 
 }  // namespace strobe::host

@@ -32,7 +32,7 @@ ShotResult measured_result(const shot_t& shot, const strobe_msgs::frame_t& frame
                                      {settings.analysis.match_tolerance_percent, settings.ball.diameter_m},
                                      result.train.faults);
   result.readout = std::move(measured.readout);
-  result.budget = std::move(measured.budget);
+  result.assembled = std::move(measured.assembled);
   result.problem = shot.aborted ? shot.abort_reason : std::move(measured.problem);
   result.frame = frame;
   return result;

@@ -27,7 +27,8 @@ struct ShotResult {
   std::string problem;                        ///< more words for a person; may be empty
   bool verified = true;                       ///< false: nothing proves that its messages are the lab's
   std::optional<strobe_msgs::frame_t> frame;  ///< of the photograph that the readout comes from
-  std::optional<reduction::Budget> budget;    ///< if AssemblySettings asks for it
+  std::optional<AssembledShot> assembled;     ///< if AssemblySettings asks for budgets: what one is made from
+  std::optional<reduction::Budget> budget;    ///< made by the loop once the readout has been published
 };
 
 /// Of a shot with its photograph. more: flags that shot and photograph do not tell.

@@ -70,7 +70,7 @@ double ShotSeries::longest_shot_s() const {
 }
 
 void ShotSeries::give_up(const std::string& why) {
-  notifications_.push_back("giving up: " + why);
+  notifications_.push_back("the series ends: " + why);
   blocking_reason_ = why;
   state_ = State::finished;
 }

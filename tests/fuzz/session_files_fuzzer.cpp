@@ -6,7 +6,7 @@
 #include <string>
 
 #include "host/archive/photograph_files.hpp"
-#include "host/archive/run_records.hpp"
+#include "host/session/run_record.hpp"
 #include "host/archive/stored_digitizations.hpp"
 #include "host/session/results_rows.hpp"
 #include "host/session/shot_names.hpp"
@@ -21,8 +21,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const ShotKey key{77, 3};
   switch (data[0] % 4) {
     case 0: {
-      const host::RunRecords records = host::parse_run_records(text);
-      for (const host::StoredRun& run : records.runs) require(run.host_id != 0);
+      const host::RunRecords records = host::parse_runs(text);
+      for (const host::RunRecord& run : records.runs) require(run.host_id != 0);
       for (const std::string& remark : records.remarks) require_one_line(remark, "runs.jsonl:");
       break;
     }

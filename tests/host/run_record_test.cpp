@@ -33,7 +33,7 @@ RunRecord example() {
 std::vector<RunRecord> read(const std::string& text) {
   TemporaryFolder folder;
   write_text(folder / "runs.jsonl", text);
-  return host::read_runs(folder / "runs.jsonl").value();
+  return host::read_runs(folder / "runs.jsonl").value().runs;
 }
 
 }  // namespace
@@ -65,7 +65,7 @@ TEST(RecordOfARun, IsLeftOutWhereItIsTornOrNoneAtAll) {
   const std::string line = host::run_line(example());
   for (std::size_t cut = 0; cut + 2 < line.size(); ++cut) LONGS_EQUAL(0, read(line.substr(0, cut)).size());
   LONGS_EQUAL(1, read("[]\n7\n{}\n{\"host_id\":7}\n" + line).size());
-  LONGS_EQUAL(0, host::read_runs("/nowhere/runs.jsonl")->size());
+  LONGS_EQUAL(0, host::read_runs("/nowhere/runs.jsonl")->runs.size());
 }
 
 TEST(RecordOfARun, WordsThatAreNoTextAreKeptAsFarAsTheyAre) {

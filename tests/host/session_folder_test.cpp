@@ -69,15 +69,15 @@ TEST(FolderOfASession, KeepsWhatAPersonWasToldAndWhatEachRunWasAskedFor) {
     record.plan_file = (*session)->plan_file();
     (*session)->add(record);
     // Read while still open, as after a kill.
-    LONGS_EQUAL(run, host::read_runs(folder / "runs.jsonl")->size());
+    LONGS_EQUAL(run, host::read_runs(folder / "runs.jsonl")->runs.size());
     (*session)->close();
     CHECK_TRUE((*session)->take_failures().empty());
   }
   CHECK_EQUAL("09:30 shot 1\n09:30 shot 2\n", read_text(folder / "shots.txt"));
-  const auto runs = host::read_runs(folder / "runs.jsonl");
-  CHECK_EQUAL("plan.toml", runs->at(0).plan_file);
-  CHECK_EQUAL("plan-20260131T093000Z.toml", runs->at(1).plan_file);
-  CHECK_EQUAL("period_us = 4000\n", read_text(folder / runs->at(1).plan_file));
+  const auto runs = host::read_runs(folder / "runs.jsonl")->runs;
+  CHECK_EQUAL("plan.toml", runs.at(0).plan_file);
+  CHECK_EQUAL("plan-20260131T093000Z.toml", runs.at(1).plan_file);
+  CHECK_EQUAL("period_us = 4000\n", read_text(folder / runs.at(1).plan_file));
 }
 
 TEST(FolderOfASession, ARunIsRecordedBehindALineThatAPowerCutTore) {
@@ -87,9 +87,9 @@ TEST(FolderOfASession, ARunIsRecordedBehindALineThatAPowerCutTore) {
   host::RunRecord record;
   record.host_id = 6;
   (*session)->add(record);
-  const auto runs = host::read_runs(folder / "runs.jsonl");
-  LONGS_EQUAL(1, runs->size());
-  LONGS_EQUAL(6, runs->front().host_id);
+  const auto runs = host::read_runs(folder / "runs.jsonl")->runs;
+  LONGS_EQUAL(1, runs.size());
+  LONGS_EQUAL(6, runs.front().host_id);
 }
 
 TEST(FolderOfASession, ARunThatCannotBeRecordedIsTold) {

@@ -34,7 +34,7 @@ constexpr const char* kUtc = "20260131T100000Z";
 struct Told final : host::HostListener {
   explicit Told(const ScriptedBench& bench) : bench_(bench) {}
   void on_notification(const std::string& text) override {
-    if (text.starts_with("giving up")) return;
+    if (text.starts_with("the series ends")) return;
     lines.emplace_back(bench_.now(), text);
   }
   void on_shot_result(const host::ShotResult& result) override { results.push_back(result.shot_id); }

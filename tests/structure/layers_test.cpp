@@ -39,7 +39,8 @@ const std::map<std::string, std::vector<Layer>> kLayers{
      }},
     {"host",
      {
-         {"host/clock", "host/config", "host/digitize/core", "host/digitize/image", "host/thesis"},
+         {"host/clock", "host/config", "host/digitize/core", "host/digitize/image", "host/external",
+          "host/thesis"},
          {"host/assembly", "host/camera", "host/digitize/candidates", "host/digitize/equator",
           "host/digitize/outline", "host/digitize/surface", "host/digitize/transfer", "host/messages",
           "host/thesis/figures"},

@@ -87,7 +87,11 @@ class Record {
     });
   }
 
-  std::string place() const { return source_ + ":" + std::to_string(row_.line); }
+  /// As the screen and the table call the shot; the line where the table has no names.
+  std::string name() const {
+    const std::string_view shot = text("shot").empty() ? text("shot_id") : text("shot");
+    return shot.empty() ? source_ + ":" + std::to_string(row_.line) : source_ + ": shot " + std::string(shot);
+  }
 
  private:
   const std::vector<std::string>& header_;
@@ -130,7 +134,7 @@ bool aliased(const Record& record) {
 /// Adds the shot, or counts why not.
 Result<void> add_shot(const Record& record, const std::string& source, FitData& out) {
   Observation o;
-  o.name = record.place();
+  o.name = record.name();
   o.spin = record.text("spin");
   o.series = source;
   const std::string angle(record.text("angle_deg"));

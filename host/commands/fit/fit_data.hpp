@@ -16,14 +16,15 @@ struct FitData {
   std::vector<impact::Observation> observations;
   int rejected = 0;    ///< shots marked rejected
   int incomplete = 0;  ///< shots left out since a velocity, spin or e is missing or the spin may be aliased
-  std::vector<std::string> impossible;  ///< "SOURCE:LINE: what no impact can have", of shots left out for it
+  std::vector<std::string>
+      impossible;  ///< "SOURCE: shot 7: what no impact can have", of shots left out for it
 };
 
 /// The shipped conditions of the thesis.
 Result<FitData> conditions_to_fit(thesis::Version version, impact::Spread spread);
 
 /// Parses the shots of a results.csv (host/session/results_csv.hpp), one observation each, named
-/// "SOURCE:LINE". Columns are found by name: vx_td_mps, vy_td_mps, omega_td_radps, vx_lo_mps, omega_lo_radps
+/// "SOURCE: shot 7" after its column shot or shot_id, else "SOURCE:LINE". Columns are found by name: vx_td_mps, vy_td_mps, omega_td_radps, vx_lo_mps, omega_lo_radps
 /// and e are required; their sd_ columns, rejected, flags, spin and angle_deg are optional. An sd that is
 /// missing is 0. A series is a spin and an angle, or the file where they are not noted. Fails with
 /// "SOURCE:LINE: column: what is wrong".

@@ -53,7 +53,7 @@ Table files_of(const host::StoredSession& session, const std::string& key) {
 
 std::string versions(const host::StoredSession& session) {
   std::set<std::string> seen;
-  for (const host::StoredRun& run : session.runs)
+  for (const host::RunRecord& run : session.runs)
     if (!run.version.empty()) seen.insert(run.version);
   std::string out;
   for (const std::string& version : seen) out += (out.empty() ? "" : ", ") + version;

@@ -88,7 +88,7 @@ Table runs_table(const StoredSession& session, const std::string& key) {
                {"notes", "notes", "", false}},
               {},
               {}};
-  for (const host::StoredRun& run : session.runs) {
+  for (const host::RunRecord& run : session.runs) {
     std::string notes;
     for (const auto& [name, value] : run.notes) notes += (notes.empty() ? "" : "; ") + name + " " + value;
     table.rows.push_back({{text_cell(run.utc), text_cell(run.operator_name), text_cell(run.version),

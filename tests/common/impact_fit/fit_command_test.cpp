@@ -65,13 +65,13 @@ TEST(FitCommand, LeavesAShotOutWhoseNumbersNoImpactCanHaveAndNamesIt) {
   const std::string path = file(kHeader + kShots + bad);
   const auto lines = jsons_of(run_fit({path, "--json", "--free", "ex,d"}));
   LONGS_EQUAL(1 + 4, lines.size());
-  CHECK_EQUAL(path + ":9: e must be from 0 to 1", lines[0]["inputs"]["impossible"][0].get<std::string>());
-  STRCMP_CONTAINS(("left out: " + path + ":9: e must be from 0 to 1\n").c_str(),
+  CHECK_EQUAL(path + ": shot 8: e must be from 0 to 1", lines[0]["inputs"]["impossible"][0].get<std::string>());
+  STRCMP_CONTAINS(("left out: " + path + ": shot 8: e must be from 0 to 1\n").c_str(),
                   run_fit({path, "--free", "ex,d"}).out.c_str());
   file(kHeader + bad);
   const CompletedProcess nothing = run_fit({path});
   CHECK_EQUAL(ExitStatus({2, 0}), *nothing.status);
-  STRCMP_CONTAINS(":2: e must be from 0 to 1, and no other shot is left", nothing.err.c_str());
+  STRCMP_CONTAINS(": shot 8: e must be from 0 to 1, and no other shot is left", nothing.err.c_str());
 }
 
 TEST(FitCommand, FitsShotsOfASessionAndSaysWhatItLeftOut) {
@@ -83,7 +83,7 @@ TEST(FitCommand, FitsShotsOfASessionAndSaysWhatItLeftOut) {
   CHECK_EQUAL(1, lines[0]["inputs"]["rejected"]);
   CHECK_EQUAL(2, lines[0]["inputs"]["incomplete"]);
   CHECK_EQUAL("fixed", lines[0]["parameters"]["mu"]["status"]);
-  CHECK_EQUAL(path + ":3", lines[2]["name"].get<std::string>());
+  CHECK_EQUAL(path + ": shot 2", lines[2]["name"].get<std::string>());
   CHECK_EQUAL("zero_34", lines[2]["series"]);
 }
 

@@ -62,7 +62,7 @@ host::StoredSession made_session(const MadeSession& settings) {
   session.folder = "today";
   session.rig = *rig;
   session.plan_text = "period_us = 3000\n";
-  host::StoredRun run;
+  host::RunRecord run;
   run.utc = "2026-11-21T09:59:00Z";
   run.host_id = 5;
   run.version = "1.0";

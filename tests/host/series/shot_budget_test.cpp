@@ -42,14 +42,15 @@ TEST(ShotBudget, OfAMixtureSumsUpToItsSdWithALineForTheAssignment) {
   const auto made = fine_shot();
   const auto result = host::shot_readout(made.shot, made.frame, settings());
   CHECK_TRUE(result.readout.assignments->hypotheses > 1);
-  CHECK_TRUE(result.budget.has_value());
+  CHECK_TRUE(result.assembled.has_value());
+  const reduction::Budget budget = host::shot_budget(*result.assembled, result.readout);
   for (const Quantity q : {Quantity::vx_td_mps, Quantity::vy_lo_mps, Quantity::e, Quantity::mu}) {
     double assignment = 0.0;
-    for (const auto& source : result.budget->sources)
+    for (const auto& source : budget.sources)
       if (source.source == reduction::Source::assignment) assignment = source.of(q);
     DOUBLES_EQUAL(*result.readout.assignments->sd[q], assignment, 1e-15);
     const double all = std::hypot(*result.readout.sd[q], result.readout.sd_systematic[q].value_or(0.0));
-    DOUBLES_EQUAL(1.0, result.budget->combined_sd(q) / all, 1e-6);  // both parts are scaled to the mixture's
+    DOUBLES_EQUAL(1.0, budget.combined_sd(q) / all, 1e-6);  // both parts are scaled to the mixture's
   }
 }
 
@@ -57,7 +58,7 @@ TEST(ShotBudget, IsEmptyWithoutAFrameAndAbsentUnlessAskedFor) {
   auto made = fine_shot();
   auto quiet = settings();
   quiet.budgets = false;
-  CHECK_FALSE(host::shot_readout(made.shot, made.frame, quiet).budget.has_value());
+  CHECK_FALSE(host::shot_readout(made.shot, made.frame, quiet).assembled.has_value());
   made.frame.images.clear();
   made.frame.image_count = 0;
   const host::AssembledShot shot = host::assemble(made.shot, made.frame, settings());
@@ -67,8 +68,9 @@ TEST(ShotBudget, IsEmptyWithoutAFrameAndAbsentUnlessAskedFor) {
 TEST(ShotBudget, HasLinesWhoseSharesSumUpToOne) {
   const auto made = fine_shot();
   const auto result = host::shot_readout(made.shot, made.frame, settings());
+  const reduction::Budget budget = host::shot_budget(*result.assembled, result.readout);
   double shares = 0.0;
-  for (const host::BudgetLine& line : host::budget_lines(*result.budget, Quantity::vx_td_mps))
+  for (const host::BudgetLine& line : host::budget_lines(budget, Quantity::vx_td_mps))
     shares += line.share;
   DOUBLES_EQUAL(1.0, shares, 1e-12);
 }
