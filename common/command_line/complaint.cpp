@@ -107,6 +107,7 @@ std::string complaint(const CLI::App& program, const CLI::ParseError& error) {
   }
   std::vector<std::string> rest = command->remaining();
   if (rest.empty()) rest = program.remaining();
+  rest.erase(std::find(rest.begin(), rest.end(), "--"), rest.end());  // another program's words
   const std::string why = rest.empty() ? words_of(error) : left_over(*command, rest);
   return on_one_line(name + ": " + why + " (" + name + " --help)");
 }

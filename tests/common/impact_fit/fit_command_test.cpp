@@ -65,7 +65,8 @@ TEST(FitCommand, LeavesAShotOutWhoseNumbersNoImpactCanHaveAndNamesIt) {
   const std::string path = file(kHeader + kShots + bad);
   const auto lines = jsons_of(run_fit({path, "--json", "--free", "ex,d"}));
   LONGS_EQUAL(1 + 4, lines.size());
-  CHECK_EQUAL(path + ": shot 8: e must be from 0 to 1", lines[0]["inputs"]["impossible"][0].get<std::string>());
+  CHECK_EQUAL(path + ": shot 8: e must be from 0 to 1",
+              lines[0]["inputs"]["impossible"][0].get<std::string>());
   STRCMP_CONTAINS(("left out: " + path + ": shot 8: e must be from 0 to 1\n").c_str(),
                   run_fit({path, "--free", "ex,d"}).out.c_str());
   file(kHeader + bad);
@@ -134,9 +135,10 @@ TEST(FitCommand, NamesFileLineAndColumnOfWhatIsWrong) {
   std::string path = file(kHeader + "t,1,,15.62,-6.71,fast,8.8,-300,0.86,,,,,,,,zero,23,\n");
   check_refused(run_fit({path}), path + ":2: omega_td_radps: 'fast' is not a number");
   path = file(kHeader + "t,1,,15.62,-6.71,1,8.8,-300,0.86,-0.1,,,,,,,zero,23,\n" + kShots);
-  check_refused(run_fit({path}), "fit: " + path +
-                                     ":2: standard deviations must be finite and not negative, those of "
-                                     "lift-off positive where they weight the fit");
+  check_refused(run_fit({path}),
+                "fit: " + path +
+                    ": shot 1: standard deviations must be finite and not negative, those of "
+                    "lift-off positive where they weight the fit");
   path = file(kHeader + "t,1,,15.62\n");
   check_refused(run_fit({path}), path + ":2: 4 cells where the header has 19");
   path = file("shot_id,vx_td_mps\n1,2\n");

@@ -75,10 +75,10 @@ TEST(MonteCarlo, RepeatsWithItsSeedAndNotWithAnother) {
 }
 
 // A thousand draws leave an end open by 8 % of an sd: that is more than half a unit of the second digit, which is 5 % at
-// most, and of the first where it is large. With 50,000 it is 1.2 %.
+// most, and of the first where it is large. With 200,000 it is 0.6 %.
 TEST(MonteCarlo, JudgesByAsManyDigitsAsTheDrawsTell) {
   const Frame frame = simulated(true);
-  const MonteCarlo few = drawn(frame, kMinDraws), many = drawn(frame, 50000);
+  const MonteCarlo few = drawn(frame, kMinDraws), many = drawn(frame, 200000);
   bool to_two = false;
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     if (!few.quantities[i]) continue;
