@@ -23,6 +23,15 @@ using AirErrors = std::array<AirError, kAirErrorCount>;
 
 using AirCovariance = std::array<std::array<double, kAirErrorCount>, kAirErrorCount>;
 
+using AirAccelerations = std::array<std::array<Eigen::Vector2d, 2>, kAirErrorCount>;
+
+/// Eigen's vectors begin undefined, in arrays and with {}, too.
+inline AirAccelerations no_air_accelerations() {
+  AirAccelerations none;
+  for (auto& legs : none) legs.fill(Eigen::Vector2d::Zero());
+  return none;
+}
+
 struct AirFit {
   AirErrors prior;
   std::array<double, kAirErrorCount> value{};
@@ -31,8 +40,8 @@ struct AirFit {
   AirCovariance by_prior{};
   /// How the joint fit's unknowns follow each error.
   std::array<JointVector, kAirErrorCount> response{};
-  /// What it adds to either leg's acceleration. [m/s^2]
-  std::array<std::array<Eigen::Vector2d, 2>, kAirErrorCount> acceleration_mps2{};
+  /// What it adds to either leg's acceleration; 0 unless it is fitted. [m/s^2]
+  AirAccelerations acceleration_mps2 = no_air_accelerations();
 };
 
 /// `fitted_with`: the errors that the joint fit has taken into account already.
