@@ -67,7 +67,7 @@ TEST_GROUP(BatchRun) {
     }
   }
 
-  Result<BatchProgress> run(const fs::path& out, int jobs, int stop_after = 1000) {
+  Result<BatchProgress> run_batch(const fs::path& out, int jobs, int stop_after = 1000) {
     fs::create_directories(out);
     auto journal = BatchJournal::open(out, "done.jsonl");
     if (!journal) return tl::unexpected(journal.error());
@@ -87,7 +87,7 @@ TEST_GROUP(BatchRun) {
 };
 
 TEST(BatchRun, GivesTheSameTablesByAnyNumberOfThreads) {
-  const auto one = run(folder / "one", 1), four = run(folder / "four", 4);
+  const auto one = run_batch(folder / "one", 1), four = run_batch(folder / "four", 4);
   CHECK_EQUAL(kSessions * kShots, one->rows);
   CHECK_EQUAL(kSessions, four->sessions);
   CHECK_EQUAL(0, four->failed);
@@ -95,7 +95,7 @@ TEST(BatchRun, GivesTheSameTablesByAnyNumberOfThreads) {
 }
 
 TEST(BatchRun, GivesTheRowsThatTheSessionsThemselvesHave) {
-  CHECK_TRUE(run(folder / "out", 2).has_value());
+  CHECK_TRUE(run_batch(folder / "out", 2).has_value());
   for (const BatchSession& session : sessions) {
     const auto stored = host::read_session(session.path);
     LONGS_EQUAL(kShots, stored->shots.size());
@@ -108,34 +108,34 @@ TEST(BatchRun, GivesTheRowsThatTheSessionsThemselvesHave) {
 }
 
 TEST(BatchRun, StopsWhenToldAndGoesOnWithWhatIsLeft) {
-  const auto stopped = run(folder / "out", 1, 3);
+  const auto stopped = run_batch(folder / "out", 1, 3);
   CHECK_EQUAL(3, stopped->rows);
   CHECK_EQUAL(0, stopped->sessions);
   CHECK_FALSE(fs::exists(folder / "out/session0.csv"));
-  const auto rest = run(folder / "out", 2);
+  const auto rest = run_batch(folder / "out", 2);
   CHECK_EQUAL(kSessions * kShots, rest->rows);
   CHECK_EQUAL(kSessions * kShots - 3, rest->measured);
-  CHECK_TRUE(run(folder / "whole", 1).has_value());
+  CHECK_TRUE(run_batch(folder / "whole", 1).has_value());
   CHECK_EQUAL(tables(folder / "whole"), tables(folder / "out"));
 }
 
 TEST(BatchRun, MeasuresAgainWhatDependsOnAnotherVersion) {
-  CHECK_EQUAL(kSessions * kShots, run(folder / "out", 1)->measured);
-  CHECK_EQUAL(0, run(folder / "out", 1)->measured);
+  CHECK_EQUAL(kSessions * kShots, run_batch(folder / "out", 1)->measured);
+  CHECK_EQUAL(0, run_batch(folder / "out", 1)->measured);
   settings.version = "2";
-  CHECK_EQUAL(kSessions * kShots, run(folder / "out", 1)->measured);
+  CHECK_EQUAL(kSessions * kShots, run_batch(folder / "out", 1)->measured);
 }
 
 TEST(BatchRun, EndsWithTheFileThatCannotBeWrittenAndGoesOnOnceItCan) {
   const FileSizeLimit limit(2500);  // some rows, and no table
-  const auto ended = run(folder / "out", 2);
+  const auto ended = run_batch(folder / "out", 2);
   CHECK_FALSE(ended.has_value());
   CHECK_EQUAL((folder / "out/done.jsonl").string() + ": File too large", ended.error().message);
   limit.lift();
-  const auto rest = run(folder / "out", 2);
+  const auto rest = run_batch(folder / "out", 2);
   CHECK_EQUAL(kSessions * kShots, rest->rows);
   CHECK(rest->measured < rest->rows);  // those that were stored stay
-  CHECK_TRUE(run(folder / "whole", 1).has_value());
+  CHECK_TRUE(run_batch(folder / "whole", 1).has_value());
   CHECK_EQUAL(tables(folder / "whole"), tables(folder / "out"));
 }
 
@@ -144,7 +144,7 @@ TEST(BatchRun, TellsWhatIsMissingOfASession) {
     if (entry.path().extension() == ".lcmlog")
       testing::write_text(entry.path(), testing::read_text(entry.path()) + "torn");
   fs::remove_all(sessions[2].path);
-  const auto told = run(folder / "out", 2);
+  const auto told = run_batch(folder / "out", 2);
   CHECK_EQUAL(1, told->unread_sessions);
   CHECK_EQUAL(kSessions, told->sessions);
   STRCMP_CONTAINS("session not read: ", testing::read_text(folder / "out/session2.csv").c_str());
