@@ -9,7 +9,7 @@
 namespace {
 
 using AddCommand = void (*)(CLI::App& app, int& exit_status);
-constexpr std::array<AddCommand, 12> kCommands{
+constexpr std::array<AddCommand, 13> kCommands{
     strobe::benchmarks::add_timing_command, strobe::benchmarks::add_spin_command,
     strobe::benchmarks::add_loop_command,   strobe::benchmarks::add_flood_command,
     strobe::studies::add_plan_command,      strobe::studies::add_efficiency_command,
