@@ -41,13 +41,15 @@ SegmentPoint point_on(const CollocationConstants& c, const Segment& segment, dou
         grip_at(c, start, std::exp(-c.b * elapsed), oscillation(c.omega2, elapsed), sum.cosine, sum.sine);
     z.slip = grip.slip;
     z.stretch = grip.stretch;
-    z.vx_change = start.vx_change + ((grip.slip - start.slip) - sum.couple / c.system.alpha) / c.beta;
+    z.friction = start.friction +
+                 ((grip.slip - start.slip) - c.system.along * elapsed - sum.couple / c.system.alpha) / c.beta;
     return out;
   }
   const double sign = direction(segment.mode);
-  z.vx_change =
-      start.vx_change - sign * c.system.mu * (c.normal.impulse(out.normal) - c.normal.impulse(segment.from));
-  z.slip = start.slip + (c.beta * (z.vx_change - start.vx_change) + sum.couple / c.system.alpha);
+  z.friction =
+      start.friction - sign * c.system.mu * (c.normal.impulse(out.normal) - c.normal.impulse(segment.from));
+  z.slip = start.slip + (c.beta * (z.friction - start.friction) + sum.couple / c.system.alpha) +
+           c.system.along * elapsed;
   z.stretch = c.slipping_stretch(out.normal, sign);
   if (c.kappa > 0.0)
     z.stretch += std::exp(-c.kappa * elapsed) * (start.stretch - c.slipping_stretch(segment.from, sign));
@@ -67,9 +69,11 @@ SegmentPoint whole_point_on(const CollocationConstants& c, const Segment& segmen
     couple += rule.weight[i] * (x - segment.x) * c.normal.pace(at) *
               integrals(segment, (at - segment.x) / segment.size).couple;
   }
-  double path = start.vx_change * elapsed;
+  double path = start.friction * elapsed;
   if (segment.mode == ContactMode::grips) {
-    path += ((z.stretch - start.stretch) - start.slip * elapsed - couple / c.system.alpha) / c.beta;
+    path += ((z.stretch - start.stretch) - (start.slip + 0.5 * c.system.along * elapsed) * elapsed -
+             couple / c.system.alpha) /
+            c.beta;
   } else {
     const double impulse = c.normal.impulse(segment.from);
     path -= direction(segment.mode) * c.system.mu *
@@ -93,11 +97,12 @@ TangentialRates rates_at(const CollocationConstants& c, ContactMode mode, const 
   const System& s = c.system;
   const double couple = sample.couple_rate / s.alpha;
   if (mode == ContactMode::grips)
-    return {sample.slip, couple - c.beta * (s.kt * sample.stretch + s.ct * sample.slip), sample.couple_rate};
+    return {sample.slip, couple - c.beta * (s.kt * sample.stretch + s.ct * sample.slip) + s.along,
+            sample.couple_rate};
   const double friction = direction(mode) * s.mu * sample.force;
   const double stretch = s.ct > 0.0 ? c.kappa * (friction / s.kt - sample.stretch)
                                     : direction(mode) * s.mu * sample.force_rate / s.kt;
-  return {stretch, couple - c.beta * friction, sample.couple_rate};
+  return {stretch, couple - c.beta * friction + s.along, sample.couple_rate};
 }
 
 RuleView rule_of(const Segment& segment) {

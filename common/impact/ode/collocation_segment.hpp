@@ -1,9 +1,10 @@
 // One segment of a contact solved by collocation (contact_collocation.hpp): the tangential motion under one law
 // of friction, in contact_system.hpp's units, as functions of the only unknown, the impulse D of the offset's
-// couple. Since alpha·dw - dvx = D at all times:
-//   slipping: dvx changes by -sigma·mu times the normal impulse; the stretch is that of a spring and dashpot
+// couple. With P = dvx - g_x·t, which is friction's impulse, alpha·dw - P = D at all times:
+//   slipping: P changes by -sigma·mu times the normal impulse; the stretch is that of a spring and dashpot
 //     under the damped sine mu·N;
-//   gripping: u'' + 2b·u' + (b² + omega2)·u = D'/alpha, by variation of constants.
+//   gripping: u'' + 2b·u' + (b² + omega2)·u = D'/alpha + g_x, by variation of constants about the stretch that holds
+//     the weight.
 // Pure, no allocation: thread-safe, real-time safe.
 #pragma once
 
@@ -20,12 +21,12 @@ inline constexpr std::size_t kMaxSegments = 40;
 
 /// As changes since touchdown.
 struct TangentialState {
-  double couple = 0.0;     ///< D
-  double vx_change = 0.0;  ///< dvx
-  double slip = 0.0;       ///< s = vx + w
-  double stretch = 0.0;    ///< u
-  double path = 0.0;       ///< integral of dvx
-  double angle = 0.0;      ///< integral of dw
+  double couple = 0.0;    ///< D
+  double friction = 0.0;  ///< P
+  double slip = 0.0;      ///< s = vx + w
+  double stretch = 0.0;   ///< u
+  double path = 0.0;      ///< integral of P
+  double angle = 0.0;     ///< integral of dw
 };
 
 /// What all segments of a contact share.
@@ -36,6 +37,7 @@ struct CollocationConstants {
   double b = 0.0;                                        ///< decay of a grip
   double omega2 = 0.0;                                   ///< of a grip
   double kappa = 0.0;                                    ///< k_t/c_t; 0 without a dashpot
+  double rest = 0.0;                                     ///< stretch of a grip that holds the weight
   double particular_depth = 0.0, particular_rate = 0.0;  ///< of the stretch under N: g + p·(y - g) + r·y'
 
   /// Returns nullopt where the closed forms do not hold: a weight that is a large part of the force, or a dashpot
@@ -53,6 +55,7 @@ struct CollocationConstants {
     beta = 1.0 + 1.0 / s.alpha;
     b = 0.5 * beta * s.ct;
     omega2 = beta * s.kt - b * b;
+    rest = s.along / (beta * s.kt);
     if (s.ct == 0.0) return;
     kappa = s.kt / s.ct;
     const double i = 1.0 / kappa;
@@ -65,7 +68,13 @@ struct CollocationConstants {
     const double i = 1.0 / kappa;
     return 1.0 + i * (i - 2.0 * system.zeta);
   }
-  double spin(const TangentialState& t) const { return system.w0 + (t.couple + t.vx_change) / system.alpha; }
+  double spin_change(const TangentialState& t) const { return (t.couple + t.friction) / system.alpha; }
+  double spin(const TangentialState& t) const { return system.w0 + spin_change(t); }
+  double vx_change(const TangentialState& t, double tau) const { return t.friction + system.along * tau; }
+  /// Integral of that.
+  double path_change(const TangentialState& t, double tau) const {
+    return t.path + 0.5 * system.along * tau * tau;
+  }
   double holding_force(const TangentialState& t) const { return system.kt * t.stretch + system.ct * t.slip; }
   /// d·N/R, the rate of D.
   double couple_rate(const NormalState& n, double spin) const {
@@ -117,10 +126,11 @@ struct Grip {
 
 inline Grip grip_at(const CollocationConstants& c, const TangentialState& start, double fade,
                     const Oscillation& o, double cosine_integral, double sine_integral) {
-  const double first = start.stretch - sine_integral / c.system.alpha;
-  const double second = (start.slip + c.b * start.stretch) + cosine_integral / c.system.alpha;
+  const double stretch = start.stretch - c.rest;
+  const double first = stretch - sine_integral / c.system.alpha;
+  const double second = (start.slip + c.b * stretch) + cosine_integral / c.system.alpha;
   const double cosine = fade * o.cosine, sine = fade * o.sine;
-  return {first * cosine + second * sine,
+  return {c.rest + (first * cosine + second * sine),
           second * (cosine - c.b * sine) - first * (c.b * cosine + c.omega2 * sine)};
 }
 

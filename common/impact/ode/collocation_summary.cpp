@@ -137,10 +137,10 @@ class SummaryOfSegments {
     const double second = 1.0 / s_.frequency_radps;
     const double metre = s_.speed_mps * second;
     const TangentialState& end = contact_.release;
-    const double spin_change = (end.couple + end.vx_change) / s_.alpha;
+    const double vx_change = c_.vx_change(end, contact_.tau);
     const double normal_impulse = 1.0 - contact_.rate;
-    out_.lift_off = {s_.speed_mps * (s_.vx0 + end.vx_change), -s_.speed_mps * contact_.rate,
-                     s_.speed_mps * (s_.w0 + spin_change) / s_.radius_m};
+    out_.lift_off = {s_.speed_mps * (s_.vx0 + vx_change), -s_.speed_mps * contact_.rate,
+                     s_.speed_mps * c_.spin(end) / s_.radius_m};
     out_.regime = contact_.regime();
     out_.dwell_s = contact_.tau * second;
     if (const auto tau = contact_.skid_to_grip_tau()) out_.skid_to_grip_s = *tau * second;
@@ -151,10 +151,10 @@ class SummaryOfSegments {
     out_.max_force_n = c_.normal.force(c_.normal.at(largest_)) * newton;
     out_.max_force_time_s = largest_ * second;
     out_.max_friction_n = friction_max_ * newton;
-    out_.dwell_distance_m = metre * (s_.vx0 * contact_.tau + end.path);
+    out_.dwell_distance_m = metre * s_.path(contact_.tau, c_.path_change(end, contact_.tau));
     out_.rotation_rad = metre * (s_.w0 * contact_.tau + end.angle) / s_.radius_m;
     out_.slip_lo_mps = s_.speed_mps * end.slip;
-    out_.impulse_ratio = (0.0 - end.vx_change) / normal_impulse;
+    out_.impulse_ratio = (0.0 - vx_change) / normal_impulse;
     out_.mean_offset_m = s_.radius_m * end.couple / normal_impulse;
     out_.energy = energy_of(c_, contact_, segments_);
     out_.method = ContactMethod::collocation;
@@ -195,7 +195,7 @@ ContactEnergy energy_of(const CollocationConstants& c, const CollocatedContact& 
     }
   }
   const TangentialState& end = contact.release;
-  const double vy = contact.rate, dx = end.vx_change, dw = (end.couple + dx) / s.alpha;
+  const double vy = contact.rate, dx = c.vx_change(end, contact.tau), dw = c.spin_change(end);
   const double depth = c.normal.at(contact.tau).depth;
   const double unit = s.mass_kg * s.speed_mps * s.speed_mps;
   const double normal_lost = 0.5 * (1.0 - vy) * (1.0 + vy);
@@ -205,6 +205,8 @@ ContactEnergy energy_of(const CollocationConstants& c, const CollocatedContact& 
   e.kinetic_lost_j = unit * (normal_lost - dx * (s.vx0 + 0.5 * dx) - s.alpha * dw * (s.w0 + 0.5 * dw));
   e.normal_spring_left_j = unit * 0.5 * depth * depth;
   e.gravity_work_j = unit * s.gravity * depth;
+  if (s.along != 0.0)
+    e.gravity_work_j += unit * s.along * s.path(contact.tau, c.path_change(end, contact.tau));
   // The normal motion by itself keeps its balance.
   e.normal_damping_j = s.zeta == 0.0 ? 0.0 : unit * (normal_lost - 0.5 * depth * depth + s.gravity * depth);
   e.sliding_j = unit * sliding;

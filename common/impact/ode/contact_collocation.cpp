@@ -41,7 +41,6 @@ class Collocation {
 
  private:
   static constexpr int kMaxAttempts = 12;
-  static constexpr double kMinTangential = 1e-200;  ///< scale of a motion that does not take place
   /// Growth of exp(b·t) and of the hyperbolic functions within a segment: what the difference of its ends loses.
   static constexpr double kMaxGrowth = 4.0;
   /// Decay, within a segment, of what the stretch of a slip began with: Gauss's rule of n nodes integrates its square
@@ -50,11 +49,7 @@ class Collocation {
 
   /// Error of D that a segment may make: a quarter of the tolerance in w = R·omega, relative to the scale of
   /// tangential changes.
-  double allowance() const {
-    const double offset = s_.delta > 0.0 ? 2.0 * s_.delta * std::sqrt(std::min(1.0, 2.0 / s_.radius)) : 0.0;
-    const double scale = std::max(std::min(2.0 * s_.mu, std::abs(s_.slip0)) + offset, kMinTangential);
-    return 0.25 * tolerance_ * s_.alpha * scale;
-  }
+  double allowance() const { return 0.25 * tolerance_ * s_.alpha * s_.tangential_scale(); }
 
   /// Where the depth passes the radius, up and down: the footprint's law changes.
   std::array<double, 2> full_footprint() const {

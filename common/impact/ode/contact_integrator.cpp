@@ -15,7 +15,7 @@ constexpr int kMaxSteps = 200'000;        // of the adaptive method
 constexpr double kMaxTime = 400.0;        // about 130 dwell times: gravity holds the ball
 constexpr double kChatteringStep = 1e-7;  // where rounding cannot tell grip from slip
 constexpr double kMaxStep = 0.25;
-constexpr double kMinScale = 1e-200;  // of a motion that does not take place; its inverse is finite
+constexpr double kMinScale = 1e-200;  // of an energy that is not spent; its inverse is finite
 constexpr double kSafety = 0.1;       // fraction of the tolerance at release that one step may use
 
 class ContactIntegrator {
@@ -56,10 +56,9 @@ class ContactIntegrator {
   }
 
   void set_scales() {
-    const double offset = s_.delta > 0.0 ? 2.0 * s_.delta * std::sqrt(std::min(1.0, 2.0 / s_.radius)) : 0.0;
-    const double tangential = std::max(std::min(2.0 * s_.mu, std::abs(s_.slip0)) + offset, kMinScale);
+    const double tangential = s_.tangential_scale();
     const double energy =
-        tangential * (std::abs(s_.slip0) + tangential + (offset > 0.0 ? std::abs(s_.w0) : 0.0));
+        tangential * (std::abs(s_.slip0) + tangential + (s_.delta > 0.0 ? std::abs(s_.w0) : 0.0));
     scale_.fill(tangential);
     scale_[kDepth] = scale_[kDepthRate] = scale_[kDampingLoss] = 1.0;
     scale_[kStretch] = tangential / std::max(1.0, s_.kt);
@@ -278,6 +277,7 @@ ContactEnergy ContactIntegrator::energy() const {
   e.normal_spring_left_j = unit * 0.5 * z_[kDepth] * z_[kDepth];
   e.tangential_spring_left_j = unit * 0.5 * s_.kt * z_[kStretch] * z_[kStretch];
   e.gravity_work_j = unit * s_.gravity * z_[kDepth];
+  if (s_.along != 0.0) e.gravity_work_j += unit * s_.along * s_.path(tau_, z_[kPathChange]);
   return e;
 }
 
@@ -302,7 +302,7 @@ ContactSummary ContactIntegrator::summary() const {
   out.max_force_n = force_max_ * newton;
   out.max_force_time_s = force_time_ * second;
   out.max_friction_n = friction_max_ * newton;
-  out.dwell_distance_m = metre * (s_.vx0 * tau_ + z_[kPathChange]);
+  out.dwell_distance_m = metre * s_.path(tau_, z_[kPathChange]);
   out.rotation_rad = metre * (s_.w0 * tau_ + z_[kAngleChange]) / s_.radius_m;
   out.slip_lo_mps = s_.speed_mps * s_.slip(z_);
   out.impulse_ratio = (0.0 - z_[kVxChange]) / normal_impulse;

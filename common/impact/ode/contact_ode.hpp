@@ -4,7 +4,7 @@
 // With y the depth of the centre below its height at touchdown, u the stretch of the tangential spring, s =
 // vx + R·omega, a(y) = sqrt(y(2R - y)) the footprint's radius (R beyond y = R):
 //   N  = k·y + c·dy/dt (only pushes; the ball leaves where N = 0),        m·d²y/dt² = -N + m·g,
-//   F  = k_t·u + c_t·du/dt,  |F| <= mu·N,                                m·dvx/dt = -F,
+//   F  = k_t·u + c_t·du/dt,  |F| <= mu·N,                                m·dvx/dt = -F + m·g_x,
 //   alpha·m·R²·domega/dt = -R·F + d·N,
 //   grips: du/dt = s;   slips in direction sigma = ±1: F = sigma·mu·N, with sigma·(s - du/dt) > 0.
 //
@@ -14,10 +14,11 @@
 //   d = -delta·a(y)·w/sqrt(w² + w0²),   w = R·omega,
 // odd in the spin, 0 without spin and without footprint. Its couple has the power d·N·omega <= 0 at every
 // instant. With
-//   E = m(vx² + vy² + alpha·R²·omega²)/2 + k·y²/2 + k_t·u²/2 (- m·g·y):
+//   E = m(vx² + vy² + alpha·R²·omega²)/2 + k·y²/2 + k_t·u²/2 - m·g·y - m·g_x·x:
 //   dE/dt = -c(dy/dt)² - F(s - du/dt) - c_t(du/dt)² + d·N·omega,
-// each term <= 0 (F and s - du/dt have the same sign), so energy never grows. A mirrored contact is the
-// mirror image to the last bit.
+// each term <= 0 (F and s - du/dt have the same sign), so energy never grows. g and g_x are the weight's parts towards
+// the surface and along it, 0 by default. A mirrored contact (vx, omega and g_x reversed) is the mirror image to the last
+// bit.
 //
 // Numerics, in units of |vy|, sqrt(m/k) and m, as changes since touchdown, so that no range of speeds loses digits.
 //
@@ -79,6 +80,7 @@ struct ContactCoefficients {
   double offset_reference_mps = kContactOffsetReference_mps;  ///< w0, 1e-9…1e9
   OffsetLaw offset_law = OffsetLaw::against_spin;
   double gravity_mps2 = 0.0;  ///< towards the surface, 0…1e3; at most 0.7 % of mu in the thesis's shots
+  double gravity_along_mps2 = 0.0;  ///< along the surface, +x, -1e3…1e3: 0 on a level plate
 };
 
 enum class ContactMode { slips_forward, slips_backward, grips };
@@ -114,7 +116,7 @@ struct ContactEnergy {
   double offset_j = 0.0;              ///< taken from the spin by the offset normal force
   double normal_spring_left_j = 0.0;  ///< in the compressed spring at release: lost, as the ball has left
   double tangential_spring_left_j = 0.0;
-  double gravity_work_j = 0.0;  ///< done by the weight from touchdown to release (0 without gravity)
+  double gravity_work_j = 0.0;  ///< done by both parts of the weight from touchdown to release
   double dissipated_j() const {
     return normal_damping_j + sliding_j + tangential_damping_j + offset_j + normal_spring_left_j +
            tangential_spring_left_j - gravity_work_j;

@@ -12,9 +12,9 @@ namespace {
 bool within(double value, double low, double high) { return value >= low && value <= high; }
 
 bool all_finite(const ball::Ball& b, const Motion& m, const ContactCoefficients& c) {
-  for (const double v :
-       {b.diameter_m, b.mass_kg, b.alpha, m.vx_mps, m.vy_mps, m.omega_radps, c.e, c.dwell_s, c.mu,
-        c.stiffness_ratio, c.damping_ratio, c.offset_share, c.offset_reference_mps, c.gravity_mps2})
+  for (const double v : {b.diameter_m, b.mass_kg, b.alpha, m.vx_mps, m.vy_mps, m.omega_radps, c.e, c.dwell_s,
+                         c.mu, c.stiffness_ratio, c.damping_ratio, c.offset_share, c.offset_reference_mps,
+                         c.gravity_mps2, c.gravity_along_mps2})
     if (!std::isfinite(v)) return false;
   return true;
 }
@@ -41,7 +41,8 @@ std::optional<InputError> find_coefficient_error(const ContactCoefficients& c) {
     return InputError::spring_out_of_range;
   if (!within(c.offset_share, 0.0, 1.0) || !within(c.offset_reference_mps, 1e-9, 1e9))
     return InputError::offset_out_of_range;
-  if (!within(c.dwell_s, 1e-9, 1e3) || c.mu > 1e3 || !within(c.gravity_mps2, 0.0, 1e3))
+  if (!within(c.dwell_s, 1e-9, 1e3) || c.mu > 1e3 || !within(c.gravity_mps2, 0.0, 1e3) ||
+      !within(c.gravity_along_mps2, -1e3, 1e3))
     return InputError::magnitude_out_of_range;
   return std::nullopt;
 }
@@ -96,6 +97,13 @@ double System::offset(const State& z) const {
   return -full * w / std::sqrt(w * w + w_ref * w_ref);
 }
 
+double System::tangential_scale() const {
+  constexpr double kMinScale = 1e-200;  // of a motion that does not take place; its inverse is finite
+  const double offset = delta > 0.0 ? 2.0 * delta * std::sqrt(std::min(1.0, 2.0 / radius)) : 0.0;
+  const double pulled = std::abs(along) * release_phase(zeta);
+  return std::max(std::min(2.0 * mu, std::abs(slip0) + pulled) + offset + pulled, kMinScale);
+}
+
 tl::expected<System, InputError> make_system(const ball::Ball& ball, const Motion& touchdown,
                                              const ContactCoefficients& c) {
   if (!all_finite(ball, touchdown, c)) return tl::unexpected(InputError::not_finite);
@@ -115,6 +123,7 @@ tl::expected<System, InputError> make_system(const ball::Ball& ball, const Motio
   s.w_ref = c.offset_reference_mps / speed;
   s.radius = ball.radius_m() * (spring->frequency_radps / speed);
   s.gravity = c.gravity_mps2 / (spring->frequency_radps * speed);
+  s.along = c.gravity_along_mps2 / (spring->frequency_radps * speed);
   s.vx0 = touchdown.vx_mps / speed;
   s.w0 = ball.radius_m() * touchdown.omega_radps / speed;
   // The slip may be the small difference of large numbers: one rounding only.
@@ -145,7 +154,7 @@ State derivative(const System& s, const State& z, ContactMode mode) {
   State d;
   d[kDepth] = z[kDepthRate];
   d[kDepthRate] = acceleration;
-  d[kVxChange] = -friction;
+  d[kVxChange] = s.along - friction;
   d[kSpinChange] = (couple - friction) / s.alpha;
   d[kStretch] = stretch_rate;
   d[kPathChange] = z[kVxChange];
@@ -164,8 +173,12 @@ ContactMode initial_mode(const System& s) {
   const double limit = s.mu * 2.0 * s.zeta;
   const double held = s.ct * std::abs(s.slip0);
   const double limit_rate = s.mu * (1.0 + 2.0 * s.zeta * (s.gravity - 2.0 * s.zeta));
-  const bool slips = held > limit || (held == limit && s.kt * std::abs(s.slip0) > limit_rate);
-  return slips ? slipping(s.slip0) : ContactMode::grips;
+  // A contact point at rest is pulled along by the weight.
+  const double hold_rate = s.kt * s.slip0 + s.ct * s.along;
+  const bool pulled = s.mu == 0.0 && s.slip0 == 0.0 && s.along != 0.0;
+  if (held > limit) return slipping(s.slip0);
+  if (held == limit && std::abs(hold_rate) > limit_rate) return slipping(hold_rate);
+  return pulled ? slipping(s.along) : ContactMode::grips;
 }
 
 State take_step(const System& s, ContactMethod method, ContactMode mode, const State& z, const State& k1,

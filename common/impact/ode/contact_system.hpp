@@ -40,6 +40,7 @@ struct System {
   double w_ref = 0.0;
   double radius = 0.0;
   double gravity = 0.0;
+  double along = 0.0;  ///< gravity along +x
   double vx0 = 0.0;
   double w0 = 0.0;
   double slip0 = 0.0;
@@ -58,6 +59,11 @@ struct System {
   /// Force that the spring and dashpot would need to hold the contact point.
   double holding_force(const State& z) const { return kt * z[kStretch] + ct * slip(z); }
   double friction(const State& z, ContactMode mode) const;
+  /// Of the centre along the surface since touchdown.
+  double path(double tau, double path_change) const { return vx0 * tau + path_change; }
+  /// Scale of the changes that a contact of a few units of time makes to the tangential motion, at least the least
+  /// whose inverse is finite: friction's, no more than what stops the slip, the offset's and the weight's.
+  double tangential_scale() const;
   /// d/R of the normal force, along +x.
   double offset(const State& z) const;
 };

@@ -52,19 +52,19 @@ detail::State ContactTrajectory::state_by_collocation(double tau, ContactMode& m
   const double x = std::clamp(constants_->normal.x_of(tau), segment.x, segment.x + segment.size);
   const detail::SegmentPoint p = detail::whole_point_on(*constants_, segment, x);
   detail::State z{};
-  const double dx = p.tangential.vx_change;
-  const double dw = (p.tangential.couple + dx) / s.alpha;
+  const double dx = constants_->vx_change(p.tangential, tau);
+  const double dw = constants_->spin_change(p.tangential);
   const double y = p.normal.depth, vy = p.normal.rate, u = p.tangential.stretch;
   z[detail::kDepth] = y;
   z[detail::kDepthRate] = vy;
   z[detail::kVxChange] = dx;
   z[detail::kSpinChange] = dw;
   z[detail::kStretch] = u;
-  z[detail::kPathChange] = p.tangential.path;
+  z[detail::kPathChange] = constants_->path_change(p.tangential, tau);
   z[detail::kAngleChange] = p.tangential.angle;
   z[detail::kDampingLoss] =
       (0.5 * (1.0 - vy) * (1.0 + vy) - dx * (s.vx0 + 0.5 * dx) - s.alpha * dw * (s.w0 + 0.5 * dw)) -
-      0.5 * (y * y + s.kt * u * u) + s.gravity * y;
+      0.5 * (y * y + s.kt * u * u) + s.gravity * y + s.along * s.path(tau, z[detail::kPathChange]);
   return z;
 }
 
@@ -114,7 +114,7 @@ ContactState ContactTrajectory::state_of(const detail::State& z, double tau, Con
   const double stretch = z[detail::kStretch];
   ContactState out;
   out.time_s = tau * second;
-  out.x_m = metre * (s.vx0 * tau + z[detail::kPathChange]);
+  out.x_m = metre * s.path(tau, z[detail::kPathChange]);
   out.y_m = 0.0 - metre * depth;
   out.rotation_rad = metre * (s.w0 * tau + z[detail::kAngleChange]) / s.radius_m;
   out.vx_mps = s.speed_mps * vx;
@@ -127,7 +127,7 @@ ContactState ContactTrajectory::state_of(const detail::State& z, double tau, Con
   out.offset_m = s.radius_m * s.offset(z);
   out.mechanical_energy_j =
       joule * (0.5 * (vx * vx + vy * vy + s.alpha * w * w + depth * depth + s.kt * stretch * stretch) -
-               s.gravity * depth);
+               s.gravity * depth - s.along * s.path(tau, z[detail::kPathChange]));
   out.dissipated_j = joule * (z[detail::kDampingLoss] + z[detail::kSlidingLoss] + z[detail::kTangentialLoss] +
                               z[detail::kOffsetLoss]);
   return out;

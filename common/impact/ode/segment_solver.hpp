@@ -86,7 +86,8 @@ class SegmentSolver {
   // Functions of time alone.
   alignas(16) Points tau_, depth_, rate_;
   alignas(16) Row pace_, force_, gain_;
-  alignas(16) Row base_;  // slipping: vx_change
+  alignas(16) Row base_;       // slipping: friction's impulse
+  alignas(16) Row free_slip_;  // gripping: without friction and couple
   alignas(16) Row couple_, value_, spin_, slip_, stretch_;
   // Gripping: weights of the two integrals, and the solutions.
   alignas(16) Points fade_, grip_cosine_, grip_sine_;
@@ -132,6 +133,7 @@ void SegmentSolver<n>::place_grip(const Segment& segment) {
     const double grow = 1.0 / fade_[i];
     to_cosine_[i] = grow * grip_cosine_[i];
     to_sine_[i] = grow * grip_sine_[i];
+    free_slip_[i] = segment.start.slip + c_.system.along * elapsed[i];
     const double cosine = fade_[i] * grip_cosine_[i], sine = fade_[i] * grip_sine_[i];
     of_second_[i] = cosine - b * sine;
     of_first_[i] = b * cosine + omega2 * sine;
@@ -145,14 +147,14 @@ void SegmentSolver<n>::evaluate(const Segment& segment) {
   const TangentialState& start = segment.start;
   if (segment.mode == ContactMode::grips) {
     const double per_beta = 1.0 / c_.beta;
-    const double first = start.stretch;
-    const double second = start.slip + c_.b * start.stretch;
-    const double base = start.vx_change + start.couple;
+    const double first = start.stretch - c_.rest;
+    const double second = start.slip + c_.b * first;
+    const double base = start.friction + start.couple;
     for (std::size_t i = 0; i < n; ++i) {
       slip_[i] =
           (second + per_alpha * cosine_[i]) * of_second_[i] - (first - per_alpha * sine_[i]) * of_first_[i];
-      const double vx = ((slip_[i] - start.slip) - couple_[i] * per_alpha) * per_beta;
-      spin_[i] = c_.system.w0 + (base + (couple_[i] + vx)) * per_alpha;
+      const double friction = ((slip_[i] - free_slip_[i]) - couple_[i] * per_alpha) * per_beta;
+      spin_[i] = c_.system.w0 + (base + (couple_[i] + friction)) * per_alpha;
     }
   } else {
     const double base = start.couple;
@@ -233,7 +235,7 @@ void SegmentSolver<n>::finish(const Segment& segment, const NormalState& to) {
   double couple_integral = 0.0;
   for (std::size_t i = 0; i < n; ++i) couple_integral += kRule.weight[i] * pace_[i] * couple_[i];
   end_.couple = start.couple + couple;
-  double path = start.vx_change * elapsed;
+  double path = start.friction * elapsed;
   if (segment.mode == ContactMode::grips) {
     double cosine = 0.0, sine = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
@@ -243,18 +245,23 @@ void SegmentSolver<n>::finish(const Segment& segment, const NormalState& to) {
     const Grip grip = grip_at(c_, start, fade_[n], {grip_cosine_[n], grip_sine_[n]}, cosine, sine);
     end_.slip = grip.slip;
     end_.stretch = grip.stretch;
-    end_.vx_change = start.vx_change + ((grip.slip - start.slip) - couple / s.alpha) / c_.beta;
-    path += ((grip.stretch - start.stretch) - start.slip * elapsed - couple_integral / s.alpha) / c_.beta;
+    end_.friction =
+        start.friction + ((grip.slip - (start.slip + s.along * elapsed)) - couple / s.alpha) / c_.beta;
+    path += ((grip.stretch - start.stretch) - (start.slip + 0.5 * s.along * elapsed) * elapsed -
+             couple_integral / s.alpha) /
+            c_.beta;
     const double per_alpha = 1.0 / s.alpha;
-    const double second = start.slip + c_.b * start.stretch;
+    const double first = start.stretch - c_.rest;
+    const double second = start.slip + c_.b * first;
     for (std::size_t i = 0; i < n; ++i)
-      stretch_[i] = fade_[i] * ((start.stretch - per_alpha * sine_[i]) * grip_cosine_[i] +
-                                (second + per_alpha * cosine_[i]) * grip_sine_[i]);
+      stretch_[i] = c_.rest + fade_[i] * ((first - per_alpha * sine_[i]) * grip_cosine_[i] +
+                                          (second + per_alpha * cosine_[i]) * grip_sine_[i]);
   } else {
     const double limit = direction(segment.mode) * s.mu;
     const double impulse = c_.normal.impulse(segment.from);
-    end_.vx_change = start.vx_change - limit * (c_.normal.impulse(to) - impulse);
-    end_.slip = start.slip + (c_.beta * (end_.vx_change - start.vx_change) + couple / s.alpha);
+    end_.friction = start.friction - limit * (c_.normal.impulse(to) - impulse);
+    end_.slip =
+        start.slip + (c_.beta * (end_.friction - start.friction) + couple / s.alpha) + s.along * elapsed;
     end_.stretch = c_.slipping_stretch(to, direction(segment.mode));
     if (c_.kappa > 0.0)
       end_.stretch += std::exp(-c_.kappa * elapsed) *
@@ -263,7 +270,8 @@ void SegmentSolver<n>::finish(const Segment& segment, const NormalState& to) {
             ((c_.normal.impulse_integral(to) - c_.normal.impulse_integral(segment.from)) - impulse * elapsed);
     const double per_alpha = 1.0 / s.alpha;
     for (std::size_t i = 0; i < n; ++i)
-      slip_[i] = start.slip + (c_.beta * (base_[i] - start.vx_change) + couple_[i] * per_alpha);
+      slip_[i] = start.slip + (c_.beta * (base_[i] - start.friction) + couple_[i] * per_alpha) +
+                 s.along * (tau_[i] - segment.from.tau);
     slip_stretches(segment);
   }
   end_.path = start.path + path;
@@ -312,7 +320,7 @@ bool SegmentSolver<n>::solve(const Segment& segment, NormalState& to, bool persi
     const double impulse = c_.normal.impulse(segment.from);
     for (std::size_t i = 0; i < n; ++i)
       base_[i] =
-          segment.start.vx_change - limit * (c_.normal.impulse({tau_[i], depth_[i], rate_[i]}) - impulse);
+          segment.start.friction - limit * (c_.normal.impulse({tau_[i], depth_[i], rate_[i]}) - impulse);
   }
   if (!iterate(segment, persist)) return false;
   finish(segment, to);

@@ -54,6 +54,7 @@ ordered_json inputs_of(const PredictInput& o) {
     in["offset_footprint"] = o.contact.offset_share;
     in["offset_reference_mps"] = o.contact.offset_reference_mps;
     in["gravity_mps2"] = o.contact.gravity_mps2;
+    in["gravity_along_mps2"] = o.contact.gravity_along_mps2;
     if (o.integration.method == impact::ContactMethod::dormand_prince) {
       in["tolerance"] = o.integration.tolerance;
     } else {
@@ -190,10 +191,10 @@ void add_predict_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<PredictOptions>();
   CLI::App* command = app.add_subcommand("predict", "Predict the rebound from the motion at touchdown.");
   add_predict_options(*command, *options);
-  command_line::for_experts(*command,
-                            {"--form", "--kt-ratio", "--ct", "--offset-footprint", "--offset-reference-mps",
-                             "--gravity-mps2", "--ode-tolerance", "--trajectory", "--samples", "--tolerance",
-                             "--deadline-us", "--frontier", "--offset-mm", "--alpha"});
+  command_line::for_experts(
+      *command, {"--form", "--kt-ratio", "--ct", "--offset-footprint", "--offset-reference-mps",
+                 "--gravity-mps2", "--gravity-along-mps2", "--ode-tolerance", "--trajectory", "--samples",
+                 "--tolerance", "--deadline-us", "--frontier", "--offset-mm", "--alpha"});
   command->footer(
       "Examples: strobe predict --vx 15.62 --vy -6.71 --omega 2.6 --model grip --e 0.86\n"
       "          strobe predict --vx 14.49 --vy -9.95 --model ode --e 0.77 --dwell-time-ms 4.84 --samples "

@@ -28,7 +28,8 @@ constexpr std::array kModelOptions{ModelOption{"--ex", "grip", false},
                                    ModelOption{"--ct", "ode", true},
                                    ModelOption{"--offset-footprint", "ode", true},
                                    ModelOption{"--offset-reference-mps", "ode", true},
-                                   ModelOption{"--gravity-mps2", "ode", true}};
+                                   ModelOption{"--gravity-mps2", "ode", true},
+                                   ModelOption{"--gravity-along-mps2", "ode", true}};
 
 /// The model's default where the option is left out, for the help.
 std::string defaults(double (*of)(std::string_view)) {
@@ -69,6 +70,8 @@ void add_ode_options(CLI::App& command, PredictOptions& options) {
   command.add_option("--offset-reference-mps", o.contact.offset_reference_mps,
                      "ode: turning speed R omega at which 0.71 of that offset is reached, m/s");
   command.add_option("--gravity-mps2", o.contact.gravity_mps2, "ode: weight during the contact, m/s^2");
+  command.add_option("--gravity-along-mps2", o.contact.gravity_along_mps2,
+                     "ode: weight along an inclined surface, in the direction of +x, m/s^2");
   command.add_option("--ode-tolerance", o.integration.tolerance,
                      "ode: relative error that the integration is held to, 1e-12 to 1e-3");
   command.add_option("--trajectory", options.trajectory_file,

@@ -95,6 +95,7 @@ const StressSet kStressSets[] = {
        c.coefficients.gravity_mps2 = d.one_in(2) ? 9.81 : d.over_decades(0.1, 100.0);
      },
      0.2},
+    {"weight along the plate", put_weight_along, 0.15},
     {"constant offset",
      [](ContactCase& c, ContactDraws&) { c.coefficients.offset_law = impact::OffsetLaw::constant_ahead; },
      0.1},
@@ -136,6 +137,26 @@ TEST(Collocation, KeepsItsToleranceAgainst34DigitsOverTheWholeRange) {
               std::to_string(count) + ", seed " + std::to_string(seed))
                  .c_str());
     CHECK(fallbacks[k] <= count / 8 + 3);
+  }
+}
+
+TEST(Collocation, AWeightAlongThePlateKeepsTheToleranceAgainst34Digits) {
+  ContactDraws draws(20261125);
+  for (int i = 0; i < draws_of_a_run(20); ++i) {
+    ContactCase c = draw_contact(draws);
+    put_weight_along(c, draws);
+    const ReferenceContact reference = reference_of(c, 200);
+    for (const double tolerance : kTolerances) {
+      const auto got = impact::lift_off(contact_ball(), c.touchdown, c.coefficients, collocation(tolerance));
+      CHECK_TEXT(got.has_value(), text_of(c).c_str());
+      double error = lift_off_error(c, got->lift_off, got->dwell_s, reference, tolerance);
+      if (error > tolerance)
+        error = lift_off_error(c, got->lift_off, got->dwell_s, reference_of(c, 1200), tolerance);
+      CHECK_TEXT(error <= tolerance, (std::to_string(error / tolerance) + " of it: " + text_of(c)).c_str());
+      const double length = (tangential_scale(c) + rounding_of(c) / tolerance) * c.coefficients.dwell_s;
+      DOUBLES_EQUAL_TEXT(static_cast<double>(reference.x_m), got->dwell_distance_m, 2.0 * tolerance * length,
+                         text_of(c).c_str());
+    }
   }
 }
 
@@ -216,10 +237,13 @@ TEST(Collocation, BouncesOfShotsTakeFewNodesAndNoIntegrator) {
 TEST(Collocation, AMirroredContactIsTheMirrorImageToTheLastBit) {
   ContactDraws draws(3);
   for (int i = 0; i < repetitions(300); ++i) {
-    const ContactCase c = i % 2 == 0 ? draw_contact(draws) : ordinary(draws);
+    ContactCase c = i % 2 == 0 ? draw_contact(draws) : ordinary(draws);
+    if (i % 3 == 0) put_weight_along(c, draws);
     const Motion mirrored{-c.touchdown.vx_mps, c.touchdown.vy_mps, -c.touchdown.omega_radps};
+    ContactCoefficients mirrored_coefficients = c.coefficients;
+    mirrored_coefficients.gravity_along_mps2 *= -1.0;
     const auto one = impact::simulate(contact_ball(), c.touchdown, c.coefficients, collocation(1e-6));
-    const auto other = impact::simulate(contact_ball(), mirrored, c.coefficients, collocation(1e-6));
+    const auto other = impact::simulate(contact_ball(), mirrored, mirrored_coefficients, collocation(1e-6));
     CHECK_TRUE(one.has_value() && other.has_value());
     CHECK_TRUE(one->method == other->method);
     DOUBLES_EQUAL(-one->lift_off.vx_mps, other->lift_off.vx_mps, 0.0);
@@ -238,7 +262,8 @@ TEST(Collocation, EnergyNeverGrowsAndIsAccountedFor) {
   ContactDraws draws(5);
   int by_collocation = 0;
   for (int i = 0; i < repetitions(150); ++i) {
-    const ContactCase c = i % 2 == 0 ? draw_contact(draws) : ordinary(draws);
+    ContactCase c = i % 2 == 0 ? draw_contact(draws) : ordinary(draws);
+    if (i % 3 == 0) put_weight_along(c, draws);
     const ball::Ball ball = contact_ball();
     const auto contact =
         impact::ContactTrajectory::make(ball, c.touchdown, c.coefficients, collocation(1e-9));
@@ -246,9 +271,10 @@ TEST(Collocation, EnergyNeverGrowsAndIsAccountedFor) {
     const impact::ContactSummary& summary = contact->summary();
     if (summary.method != ContactMethod::collocation) continue;
     ++by_collocation;
+    const double pulled = std::abs(c.coefficients.gravity_along_mps2) * c.coefficients.dwell_s;
     const double moving = std::abs(c.touchdown.vx_mps) + ball.radius_m() * std::abs(c.touchdown.omega_radps) -
-                          c.touchdown.vy_mps;
-    const double scale = ball.mass_kg * -c.touchdown.vy_mps * moving * (1.0 + c.coefficients.mu);
+                          c.touchdown.vy_mps + pulled;
+    const double scale = ball.mass_kg * (pulled - c.touchdown.vy_mps) * moving * (1.0 + c.coefficients.mu);
     const double rounding = 8e-16 * summary.energy.kinetic_td_j;
     double before = contact->at(0.0).mechanical_energy_j;
     for (int k = 1; k <= 60; ++k) {
@@ -260,6 +286,8 @@ TEST(Collocation, EnergyNeverGrowsAndIsAccountedFor) {
     CHECK_TEXT(std::abs(e.kinetic_lost_j - e.dissipated_j()) <= 1e-8 * scale + rounding, text_of(c).c_str());
     for (const double loss : {e.normal_damping_j, e.sliding_j, e.tangential_damping_j, e.offset_j})
       CHECK_TEXT(loss >= -1e-9 * scale, text_of(c).c_str());
+    DOUBLES_EQUAL_TEXT(ball.mass_kg * c.coefficients.gravity_along_mps2 * summary.dwell_distance_m,
+                       e.gravity_work_j, 1e-12 * std::abs(e.gravity_work_j) + 1e-300, text_of(c).c_str());
   }
   CHECK(by_collocation > repetitions(150) * 3 / 4);
 }

@@ -221,6 +221,67 @@ TEST(ContactOde, GravityAddsItsImpulseToThatOfTheRebound) {
   DOUBLES_EQUAL(0.3 * (5.0 + s.lift_off.vy_mps + 9.81 * s.dwell_s), 30.0 - s.lift_off.vx_mps, 1e-9);
 }
 
+// Along the surface it acts whether the ball slides or not; friction's share does not know of it.
+TEST(ContactOde, AWeightAlongThePlateAddsItsImpulseToASlide) {
+  ContactCoefficients c = plain(0.3);
+  c.gravity_along_mps2 = -9.81 * 0.5;
+  const Motion shot{30.0, -5.0, 0.0};
+  for (const ContactMethod method : {ContactMethod::dormand_prince, ContactMethod::collocation}) {
+    const auto s = simulate(kBall, shot, c, {.method = method, .tolerance = 1e-11});
+    const double impulse = 5.0 + s->lift_off.vy_mps, fall = c.gravity_along_mps2 * s->dwell_s;
+    CHECK_TRUE(s->method == method);
+    CHECK_EQUAL(Regime::slides, s->regime);
+    DOUBLES_EQUAL(30.0 - 0.3 * impulse + fall, s->lift_off.vx_mps, 1e-9);
+    DOUBLES_EQUAL(-0.3 * impulse, kBall.alpha * kBall.radius_m() * s->lift_off.omega_radps, 1e-9);
+    DOUBLES_EQUAL(kBall.mass_kg * c.gravity_along_mps2 * s->dwell_distance_m, s->energy.gravity_work_j,
+                  1e-12);
+    DOUBLES_EQUAL(s->energy.kinetic_lost_j, s->energy.dissipated_j(), 1e-9);
+  }
+}
+
+// A whole oscillation, about the stretch that holds the weight, within the contact: the slip is that of touchdown again, so
+// that friction has taken from vx what the weight gave to it and not to the spin.
+TEST(ContactOde, AnElasticGripHoldsTheWeightAlongThePlate) {
+  ContactCoefficients c = plain(5.0, 0.0);
+  c.e = 1.0;
+  c.stiffness_ratio = 4.0 * kBall.alpha / (1.0 + kBall.alpha);
+  c.gravity_along_mps2 = 20.0;
+  const double slip = 4.0 + kBall.radius_m() * 30.0, fall = c.gravity_along_mps2 * c.dwell_s;
+  for (const ContactMethod method : {ContactMethod::dormand_prince, ContactMethod::collocation}) {
+    const auto s = simulate(kBall, {4.0, -8.0, 30.0}, c, {.method = method, .tolerance = 1e-11});
+    CHECK_TRUE(s->method == method);
+    const double friction = -fall / (1.0 + 1.0 / kBall.alpha);
+    DOUBLES_EQUAL(slip, s->slip_lo_mps, 1e-9);
+    DOUBLES_EQUAL(4.0 + friction + fall, s->lift_off.vx_mps, 1e-9);
+    DOUBLES_EQUAL(30.0 + friction / (kBall.alpha * kBall.radius_m()), s->lift_off.omega_radps, 1e-7);
+  }
+}
+
+// A drop on an inclined plate: with friction it begins to roll down, without it slides down.
+TEST(ContactOde, ADropOnAnInclinedPlateGoesDownIt) {
+  for (const double mu : {0.0, 0.5}) {
+    for (const double damping : {0.0, 0.75}) {
+      ContactCoefficients c = plain(mu, damping);
+      c.gravity_along_mps2 = 5.0;
+      for (const ContactMethod method : {ContactMethod::dormand_prince, ContactMethod::collocation}) {
+        const auto s = simulate(kBall, {0.0, -8.0, 0.0}, c, {.method = method});
+        CHECK_TRUE(s.has_value());
+        const double fall = c.gravity_along_mps2 * s->dwell_s;
+        if (mu == 0.0) {
+          DOUBLES_EQUAL(fall, s->lift_off.vx_mps, 1e-9);
+          DOUBLES_EQUAL(0.0, s->lift_off.omega_radps, 0.0);
+        } else {
+          CHECK(s->lift_off.vx_mps > 0.0 && s->lift_off.vx_mps < fall);
+          CHECK(s->lift_off.omega_radps < 0.0);
+        }
+        // alpha·R·omega is friction's impulse, and so is vx less what the weight gives.
+        DOUBLES_EQUAL(s->lift_off.vx_mps - fall, kBall.alpha * kBall.radius_m() * s->lift_off.omega_radps,
+                      1e-9);
+      }
+    }
+  }
+}
+
 TEST(ContactOde, AWeightThatHoldsTheBallIsNamed) {
   ContactCoefficients c = plain(0.3);
   c.gravity_mps2 = 9.81;
@@ -316,6 +377,10 @@ TEST(ContactOde, InputsOutOfRangeAreNamed) {
               error_of(kShot, with(&ContactCoefficients::damping_ratio, 1e-3)));
   CHECK_EQUAL(InputError::offset_out_of_range,
               error_of(kShot, with(&ContactCoefficients::offset_share, 1.5)));
+  for (const double along : {1.1e3, -1.1e3})
+    CHECK_EQUAL(InputError::magnitude_out_of_range,
+                error_of(kShot, with(&ContactCoefficients::gravity_along_mps2, along)));
+  CHECK_EQUAL(InputError::not_finite, error_of(kShot, with(&ContactCoefficients::gravity_along_mps2, nan)));
   CHECK_EQUAL(InputError::tolerance_out_of_range, error_of(kShot, {}, {.tolerance = 1e-14}));
   CHECK_EQUAL(InputError::tolerance_out_of_range, error_of(kShot, {}, {.tolerance = nan}));
   CHECK_EQUAL(InputError::tolerance_out_of_range,

@@ -26,15 +26,23 @@ ContactCase draw_contact(ContactDraws& draws) {
   return c;
 }
 
+void put_weight_along(ContactCase& c, ContactDraws& draws) {
+  // Up to what stops the slip, or sets the ball going, within a contact.
+  const double most =
+      std::min(1e3, std::hypot(c.touchdown.vx_mps, c.touchdown.vy_mps) / c.coefficients.dwell_s);
+  c.coefficients.gravity_along_mps2 = (draws.one_in(2) ? 1.0 : -1.0) * most * draws.over_decades(1e-4, 1.0);
+}
+
 std::string text_of(const ContactCase& c) {
   char line[500];
   std::snprintf(line, sizeof line,
                 "vx %.17g vy %.17g omega %.17g e %.17g mu %.17g dwell %.17g kt %.17g ct %.17g offset %.17g "
-                "w0 %.17g g %.17g",
+                "w0 %.17g g %.17g along %.17g",
                 c.touchdown.vx_mps, c.touchdown.vy_mps, c.touchdown.omega_radps, c.coefficients.e,
                 c.coefficients.mu, c.coefficients.dwell_s, c.coefficients.stiffness_ratio,
                 c.coefficients.damping_ratio, c.coefficients.offset_share,
-                c.coefficients.offset_reference_mps, c.coefficients.gravity_mps2);
+                c.coefficients.offset_reference_mps, c.coefficients.gravity_mps2,
+                c.coefficients.gravity_along_mps2);
   return line;
 }
 
@@ -52,8 +60,9 @@ double tangential_scale(const ContactCase& c) {
   const double radius = contact_ball().radius_m(), normal = -c.touchdown.vy_mps;
   const double slip = std::abs(std::fma(radius, c.touchdown.omega_radps, c.touchdown.vx_mps));
   const double depth = std::min(1.0, normal * c.coefficients.dwell_s / 3.0 / radius);
-  return std::min(2.0 * c.coefficients.mu * normal, slip) +
-         2.0 * c.coefficients.offset_share * std::sqrt(depth) * normal;
+  const double pulled = std::abs(c.coefficients.gravity_along_mps2) * c.coefficients.dwell_s;
+  return std::min(2.0 * c.coefficients.mu * normal, slip + pulled) +
+         2.0 * c.coefficients.offset_share * std::sqrt(depth) * normal + pulled;
 }
 
 double rounding_of(const ContactCase& c) {

@@ -30,6 +30,9 @@ class ContactDraws {
 /// 1 us to 1 s; a third with a spin of the order of rolling, where grip and slip change most.
 ContactCase draw_contact(ContactDraws& draws);
 
+/// The weight along an inclined plate, or many times it, either way.
+void put_weight_along(ContactCase& c, ContactDraws& draws);
+
 std::string text_of(const ContactCase& c);
 
 /// The ball of all of them.
@@ -39,8 +42,8 @@ ReferenceContact reference_of(const ContactCase& c, int intervals);
 
 double relative(const Quad& got, const Quad& expected, double scale);
 
-/// Scale of the changes of the tangential motion: friction's impulse, or what stops the slip where that is less, and
-/// the offset's couple.
+/// Scale of the changes of the tangential motion: friction's impulse, or what stops the slip where that is less, the
+/// offset's couple and the weight along the surface.
 double tangential_scale(const ContactCase& c);
 
 /// What the last bits of the motion itself amount to.

@@ -20,7 +20,8 @@ class Contact {
         alpha_(ball.alpha),
         mu_(c.mu),
         share_(c.offset_share),
-        reference_(c.offset_reference_mps) {
+        reference_(c.offset_reference_mps),
+        along_(c.gravity_along_mps2) {
     const Quad zeta = reference_damping_ratio(c.e);
     const Quad phase = reference_release_phase(zeta);
     const Quad frequency = phase / Quad(c.dwell_s);
@@ -35,8 +36,10 @@ class Contact {
     const Quad limit = mu_ * force_of(z_);
     // As the dashpot holds; without one, as the forces rise.
     const Quad rise = mu_ * force_rate_of(z_);
-    const bool slips = held > limit || (held == limit && kt_ * abs(slip) > rise);
-    mode_ = !slips ? 0 : slip < 0 ? -1 : 1;
+    const Quad pull = kt_ * slip + ct_ * along_;
+    const bool slips =
+        held > limit || (held == limit && abs(pull) > rise) || (mu_ == 0 && slip == 0 && along_ != 0);
+    mode_ = !slips ? 0 : (slip != 0 ? slip : along_) < 0 ? -1 : 1;
   }
 
   ReferenceContact run(int intervals) {
@@ -79,7 +82,7 @@ class Contact {
                         sqrt(turning * turning + reference_ * reference_);
     d = {z[kRate] * pace,
          -normal / mass_ * pace,
-         -friction / mass_ * pace,
+         (along_ - friction / mass_) * pace,
          (offset * normal - radius_ * friction) / (alpha_ * mass_ * radius_ * radius_) * pace,
          stretching * pace,
          z[kVx] * pace,
@@ -160,7 +163,7 @@ class Contact {
     return high;
   }
 
-  Quad radius_, mass_, alpha_, mu_, share_, reference_;
+  Quad radius_, mass_, alpha_, mu_, share_, reference_, along_;
   Quad k_, c_, kt_, ct_, dwell_;
   Vector z_{};
   int mode_ = 0;

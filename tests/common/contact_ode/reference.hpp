@@ -24,7 +24,7 @@ struct ReferenceContact {
   int switches = 0;
 };
 
-/// With `intervals` steps from touchdown to release. No gravity; the offset against the spin.
+/// With `intervals` steps from touchdown to release. No gravity towards the surface; the offset against the spin.
 ReferenceContact reference_contact(const ball::Ball& ball, const impact::Motion& touchdown,
                                    const impact::ContactCoefficients& coefficients, int intervals);
 
