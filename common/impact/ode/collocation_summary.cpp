@@ -179,6 +179,27 @@ std::optional<ContactSummary> summary_of(const CollocationConstants& c, const Co
   return SummaryOfSegments(c, contact, segments).make();
 }
 
+ContactLiftOff lift_off_of(const ContactSummary& s) {
+  return {s.lift_off, s.regime, s.dwell_s, s.skid_to_grip_s, s.dwell_distance_m, s.rotation_rad, s.method};
+}
+
+ContactLiftOff lift_off_of(const CollocationConstants& c, const CollocatedContact& contact) {
+  const System& s = c.system;
+  const double second = 1.0 / s.frequency_radps;
+  const double metre = s.speed_mps * second;
+  const TangentialState& end = contact.release;
+  ContactLiftOff out;
+  out.lift_off = {s.speed_mps * (s.vx0 + c.vx_change(end, contact.tau)), -s.speed_mps * contact.rate,
+                  s.speed_mps * c.spin(end) / s.radius_m};
+  out.regime = contact.regime();
+  out.dwell_s = contact.tau * second;
+  if (const auto tau = contact.skid_to_grip_tau()) out.skid_to_grip_s = *tau * second;
+  out.dwell_distance_m = metre * s.path(contact.tau, c.path_change(end, contact.tau));
+  out.rotation_rad = metre * (s.w0 * contact.tau + end.angle) / s.radius_m;
+  out.method = ContactMethod::collocation;
+  return out;
+}
+
 ContactEnergy energy_of(const CollocationConstants& c, const CollocatedContact& contact,
                         const Segments& segments) {
   const System& s = c.system;

@@ -10,6 +10,10 @@ namespace strobe::impact::detail {
 std::optional<ContactSummary> summary_of(const CollocationConstants& constants,
                                          const CollocatedContact& contact, const Segments& segments);
 
+/// Both leave out what only a summary has.
+ContactLiftOff lift_off_of(const CollocationConstants& constants, const CollocatedContact& contact);
+ContactLiftOff lift_off_of(const ContactSummary& summary);
+
 /// In joules, by the node sums of the segments.
 ContactEnergy energy_of(const CollocationConstants& constants, const CollocatedContact& contact,
                         const Segments& segments);

@@ -36,4 +36,9 @@ struct CollocatedContact {
 std::optional<CollocatedContact> collocate(const CollocationConstants& constants, double tolerance,
                                            bool along, Segments* segments);
 
+inline bool collocates(const ContactOptions& options) {
+  return options.method == ContactMethod::collocation && options.tolerance >= 1e-12 &&
+         options.tolerance <= 1e-3;
+}
+
 }  // namespace strobe::impact::detail
