@@ -28,6 +28,7 @@ void add_predict_command(CLI::App& app, int& exit_status);
 void add_digitize_command(CLI::App& app, int& exit_status);
 void add_fit_command(CLI::App& app, int& exit_status);
 void add_thesis_command(CLI::App& app, int& exit_status);
+void add_bounces_command(CLI::App& app, int& exit_status);
 void add_report_command(CLI::App& app, int& exit_status);
 void add_calibrate_command(CLI::App& app, int& exit_status);
 void add_batch_command(CLI::App& app, int& exit_status);

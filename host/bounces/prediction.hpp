@@ -1,0 +1,80 @@
+// A published bounce as the impact models predict it: nothing in them is fitted to it. The input is its motion at
+// touchdown, its own restitution (0.75 where that is not published) and a coefficient of friction that the data set
+// names. Residuals carry the uncertainty of all numbers that enter them. Pure; thread-safe; copies names.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "common/data/published_bounces.hpp"
+#include "common/impact/closed_form/rebound.hpp"
+
+namespace strobe::bounces {
+
+enum class Model {
+  /// Rigid body that slides or rolls off; a tennis ball as a thin shell (Brody), a solid one with its own alpha.
+  rigid,
+  /// Closed form with tangential restitution and an offset normal force, fitted to the thesis's 21 conditions; alpha
+  /// of the ball.
+  grip,
+  /// The contact mechanics as fitted to the same conditions, alpha of that fit (of a solid ball: its own).
+  mechanics,
+  /// The contact mechanics with what is known of this ball and this experiment: its alpha, the weight along an inclined
+  /// surface (in the friction that a bounce tells, too), the friction measured elsewhere. A solid ball: k_t/k = 2/3 (Mindlin, incompressible), dashpots of one
+  /// material (c_t/k_t = c/k), no offset.
+  known,
+};
+inline constexpr std::array<Model, 4> kModels{Model::rigid, Model::grip, Model::mechanics, Model::known};
+
+constexpr std::string_view name(Model model) {
+  constexpr std::array<std::string_view, 4> names{"rigid", "grip", "mechanics", "known"};
+  return names[static_cast<std::size_t>(model)];
+}
+
+/// Dwell time that the mechanics are computed with, and how well it is known. It matters for the weight alone.
+inline constexpr double kDwell_s = 5e-3;
+inline constexpr double kDwellSd_s = 1e-3;
+
+/// One bounce with all that a prediction of it uses.
+struct Case {
+  published::Ball ball;
+  published::Bounce bounce;
+  published::Friction friction;
+  std::optional<published::Bounce> friction_row{};  ///< another bounce that tells the friction
+  double dwell_s = kDwell_s;
+
+  /// Of the bounce that tells it, or as given.
+  double mu() const;
+  /// Whether this bounce's own change of vx gives the friction.
+  bool tells_its_own_friction() const { return friction.row == bounce.name; }
+};
+
+/// The cases of a set, in its order. Precondition: the set is of `all`, as load_bounces() returned it.
+std::vector<Case> cases_of(const published::Bounces& all, const published::Set& set);
+
+/// Predicted less measured, with the sd of that difference.
+struct Residual {
+  std::optional<published::Measured> vx_mps{};  ///< absent: vx at lift-off is not published
+  published::Measured omega_radps;
+};
+
+struct Prediction {
+  impact::Motion lift_off;
+  Residual residual;
+  double mu = 0.0;           ///< that it was computed with
+  bool vx_is_given = false;  ///< mu is this bounce's own impulse ratio: its vx is no prediction
+};
+
+/// Fails with the bounce's name and what the model refuses.
+Result<Prediction> predict(const Case& bounce, Model model);
+
+/// Acceleration of gravity along the surface in the direction of +x and into it; 0 where the incline is not published.
+struct Weight {
+  double along_mps2 = 0.0;
+  double into_mps2 = 0.0;
+};
+Weight weight_of(const published::Bounce& bounce);
+
+}  // namespace strobe::bounces

@@ -1,0 +1,196 @@
+#include "host/bounces/report.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace strobe::bounces {
+
+namespace {
+
+using published::Measured;
+
+/// Residuals over their sds.
+std::string z_text(const Measured& residual) {
+  return residual.sd > 0.0 ? fmt::format("{:+.1f}", residual.value / residual.sd) : "-";
+}
+
+std::string head() {
+  std::string line = fmt::format("{:<27}{:>6}  {:>15}", "", "mu", "measured");
+  for (const Model model : kModels) line += fmt::format("  {:>9}{:>6}", name(model), "z");
+  return line + "\n";
+}
+
+/// Name and friction of a bounce, which its first line begins with.
+std::string row_head(const Case& c, const char* quantity) {
+  return fmt::format("{:<21}{:>6}{:>6.3f}{}", c.bounce.name, quantity, c.mu(),
+                     c.tells_its_own_friction() ? "* " : "  ");
+}
+
+std::string vx_line(const Row& row) {
+  const Measured& vx = *row.bounce.bounce.vx_lo_mps;
+  std::string line = row_head(row.bounce, "vx") + fmt::format("{:>6.2f} ± {:<6.2f}", vx.value, vx.sd);
+  for (const Prediction& p : row.predictions)
+    line += fmt::format("  {:>9.2f}{:>6}", p.lift_off.vx_mps,
+                        p.vx_is_given ? "given" : z_text(*p.residual.vx_mps));
+  return line + "\n";
+}
+
+std::string omega_line(const Row& row, const std::string& begin) {
+  const Measured& omega = row.bounce.bounce.omega_lo_radps;
+  std::string line = begin + fmt::format("{:>6.1f} ± {:<6.1f}", omega.value, omega.sd);
+  for (const Prediction& p : row.predictions)
+    line += fmt::format("  {:>9.1f}{:>6}", p.lift_off.omega_radps, z_text(p.residual.omega_radps));
+  return line + "\n";
+}
+
+std::string lines_of(const Row& row) {
+  if (!row.bounce.bounce.vx_lo_mps) return omega_line(row, row_head(row.bounce, "omega"));
+  return vx_line(row) + omega_line(row, fmt::format("{:>27}{:>8}", "omega", ""));
+}
+
+std::string agreement_lines(const std::vector<Row>& rows) {
+  std::string vx = fmt::format("{:<21}{:>6}{:>23}", "rms; of z", "vx", "");
+  std::string omega = fmt::format("{:>27}{:>23}", "omega", "");
+  for (const Model model : kModels) {
+    const Agreement a = agreement_of(rows, model);
+    vx += a.vx_count > 0 ? fmt::format("  {:>9.2f}{:>6.1f}", a.vx_rms_mps, a.vx_z_rms)
+                         : fmt::format("  {:>9}{:>6}", "-", "-");
+    omega += fmt::format("  {:>9.1f}{:>6.1f}", a.omega_rms_radps, a.omega_z_rms);
+  }
+  return vx + "\n" + omega + "\n";
+}
+
+std::string balance_lines(const std::vector<Row>& rows) {
+  std::string lines;
+  for (const Row& row : rows) {
+    if (!row.level || !row.with_weight) continue;
+    const bool inclined = row.bounce.bounce.incline_deg.has_value();
+    lines += fmt::format(
+        "{:<27}{:>+6.2f}   {:>5.3f} ± {:.3f}   {:>13}   {:>+6.1f} ± {:.1f} ± {:.1f}\n",
+        row.bounce.bounce.name, row.level->e_x, row.level->alpha.value, row.level->alpha.sd,
+        inclined ? fmt::format("{:.3f} ± {:.3f}", row.with_weight->alpha.value, row.with_weight->alpha.sd)
+                 : "-",
+        row.with_weight->offset_m.value * 1e3, row.with_weight->offset_m.sd * 1e3,
+        row.with_weight->offset_sd_alpha_m * 1e3);
+  }
+  if (lines.empty()) return {};
+  return fmt::format("{:<27}{:>6}   {:>13}   {:>13}   {}\n", "angular momentum", "ex", "alpha", "with weight",
+                     "offset mm ± statistical ± by alpha") +
+         lines;
+}
+
+/// One alpha for the set's rows, as if level and with the weight, if there are several on known inclines.
+std::string mean_alpha_line(const std::vector<Row>& rows) {
+  std::vector<Measured> level, with_weight;
+  for (const Row& row : rows) {
+    if (!row.level || !row.with_weight || !row.bounce.bounce.incline_deg) continue;
+    level.push_back(row.level->alpha);
+    with_weight.push_back(row.with_weight->alpha);
+  }
+  if (level.size() < 2) return {};
+  const MeanAlpha before = mean_of(level), after = mean_of(with_weight);
+  return fmt::format(
+      "{:<27}{:>6}   {:>5.3f} ± {:.3f}   {:.3f} ± {:.3f}   chi-square {:.1f} and {:.1f} of {} degrees\n",
+      "one alpha for all", "", before.alpha.value, before.alpha.sd, after.alpha.value, after.alpha.sd,
+      before.chi_square, after.chi_square, before.count - 1);
+}
+
+nlohmann::ordered_json measured_json(const published::Bounce& b) {
+  using nlohmann::ordered_json;
+  return {{"vx_lo_mps", b.vx_lo_mps ? ordered_json(b.vx_lo_mps->value) : ordered_json(nullptr)},
+          {"vx_lo_sd_mps", b.vx_lo_mps ? ordered_json(b.vx_lo_mps->sd) : ordered_json(nullptr)},
+          {"omega_lo_radps", b.omega_lo_radps.value},
+          {"omega_lo_sd_radps", b.omega_lo_radps.sd}};
+}
+
+nlohmann::ordered_json prediction_json(const Prediction& p) {
+  using nlohmann::ordered_json;
+  const auto& vx = p.residual.vx_mps;
+  return {{"vx_lo_mps", p.lift_off.vx_mps},
+          {"vy_lo_mps", p.lift_off.vy_mps},
+          {"omega_lo_radps", p.lift_off.omega_radps},
+          {"mu", p.mu},
+          {"vx_is_given", p.vx_is_given},
+          {"vx_residual_mps", vx ? ordered_json(vx->value) : ordered_json(nullptr)},
+          {"vx_residual_sd_mps", vx ? ordered_json(vx->sd) : ordered_json(nullptr)},
+          {"omega_residual_radps", p.residual.omega_radps.value},
+          {"omega_residual_sd_radps", p.residual.omega_radps.sd}};
+}
+
+nlohmann::ordered_json balance_json(const std::optional<Balance>& balance) {
+  if (!balance) return nullptr;
+  return {{"alpha", balance->alpha.value},
+          {"alpha_sd", balance->alpha.sd},
+          {"offset_mm", balance->offset_m.value * 1e3},
+          {"offset_sd_mm", balance->offset_m.sd * 1e3},
+          {"offset_sd_alpha_mm", balance->offset_sd_alpha_m * 1e3},
+          {"slip_lo_mps", balance->slip_lo_mps},
+          {"ex", balance->e_x}};
+}
+
+}  // namespace
+
+Result<std::vector<Row>> rows_of(const published::Bounces& all, const published::Set& set) {
+  std::vector<Row> rows;
+  for (const Case& c : cases_of(all, set)) {
+    Row row{
+        .bounce = c, .predictions = {}, .level = balance_of(c, false), .with_weight = balance_of(c, true)};
+    for (std::size_t i = 0; i < kModels.size(); ++i) {
+      const auto predicted = predict(c, kModels[i]);
+      if (!predicted) return fail(set.name + ": " + predicted.error().message);
+      row.predictions[i] = *predicted;
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Agreement agreement_of(const std::vector<Row>& rows, Model model) {
+  Agreement a;
+  const auto add = [](const Measured& residual, int& count, double& square, double& z_square) {
+    ++count;
+    square += residual.value * residual.value;
+    if (residual.sd > 0.0) z_square += std::pow(residual.value / residual.sd, 2);
+  };
+  for (const Row& row : rows) {
+    const Prediction& p = row.predictions[static_cast<std::size_t>(model)];
+    const Residual& r = p.residual;
+    if (r.vx_mps && !p.vx_is_given) add(*r.vx_mps, a.vx_count, a.vx_rms_mps, a.vx_z_rms);
+    add(r.omega_radps, a.omega_count, a.omega_rms_radps, a.omega_z_rms);
+  }
+  for (double* sum : {&a.vx_rms_mps, &a.vx_z_rms}) *sum = a.vx_count > 0 ? std::sqrt(*sum / a.vx_count) : 0.0;
+  for (double* sum : {&a.omega_rms_radps, &a.omega_z_rms})
+    *sum = a.omega_count > 0 ? std::sqrt(*sum / a.omega_count) : 0.0;
+  return a;
+}
+
+std::string text(const published::Set& set, const std::vector<Row>& rows) {
+  std::string out = set.name + "\n  " + set.publication + "\n" + head();
+  for (const Row& row : rows) out += lines_of(row);
+  return out + agreement_lines(rows) + balance_lines(rows) + mean_alpha_line(rows);
+}
+
+std::string json(const published::Set& set, const Row& row) {
+  using nlohmann::ordered_json;
+  const Case& c = row.bounce;
+  const auto& elsewhere = c.friction.elsewhere;
+  ordered_json out{
+      {"set", set.name},
+      {"row", c.bounce.name},
+      {"ball", c.ball.name},
+      {"surface", c.bounce.surface},
+      {"incline_deg", c.bounce.incline_deg ? ordered_json(*c.bounce.incline_deg) : ordered_json(nullptr)},
+      {"mu", c.mu()},
+      {"mu_from", c.friction.row.empty() ? ordered_json(nullptr) : ordered_json(c.friction.row)},
+      {"mu_elsewhere", elsewhere ? ordered_json(elsewhere->value) : ordered_json(nullptr)},
+      {"measured", measured_json(c.bounce)}};
+  for (std::size_t i = 0; i < kModels.size(); ++i)
+    out["predictions"][std::string(name(kModels[i]))] = prediction_json(row.predictions[i]);
+  out["balance"] = balance_json(row.with_weight);
+  out["balance_level"] = balance_json(row.level);
+  return out.dump();
+}
+
+}  // namespace strobe::bounces

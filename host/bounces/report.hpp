@@ -1,0 +1,41 @@
+// Predictions and balances of published bounces, as text for people and JSON for scripts. Pure; thread-safe; allocates.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/bounces/balance.hpp"
+#include "host/bounces/prediction.hpp"
+
+namespace strobe::bounces {
+
+struct Row {
+  Case bounce;
+  std::array<Prediction, kModels.size()> predictions;
+  std::optional<Balance> level;        ///< as if the surface were level
+  std::optional<Balance> with_weight;  ///< the same where the incline is not published
+};
+
+/// All rows of a set. Fails as predict().
+Result<std::vector<Row>> rows_of(const published::Bounces& all, const published::Set& set);
+
+/// Of one model over rows; nothing where a row's own friction gives vx.
+struct Agreement {
+  int vx_count = 0, omega_count = 0;
+  double vx_rms_mps = 0.0, omega_rms_radps = 0.0;
+  double vx_z_rms = 0.0, omega_z_rms = 0.0;  ///< of residuals over their sds: 1 where those explain them
+};
+Agreement agreement_of(const std::vector<Row>& rows, Model model);
+
+/// The set's publication; measured and predicted vx and omega at lift-off, each with its residual's z; the models'
+/// agreement; the balance of angular momentum.
+std::string text(const published::Set& set, const std::vector<Row>& rows);
+
+/// One object without line breaks: set, row, ball, surface, incline_deg; mu, mu_from, mu_elsewhere; measured (vx_lo_mps,
+/// omega_lo_radps and their sds); predictions (by model: vx_lo_mps, vy_lo_mps, omega_lo_radps, mu, vx_is_given, residuals, sds);
+/// balance and balance_level (alpha, offset_mm, sds, slip_lo_mps, ex). What is not published is null.
+std::string json(const published::Set& set, const Row& row);
+
+}  // namespace strobe::bounces

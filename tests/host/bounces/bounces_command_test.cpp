@@ -1,0 +1,85 @@
+// `strobe bounces` as a user runs it; the README's table is what it prints.
+#include <set>
+#include <string>
+
+#include "tests/support/json_lines.hpp"
+#include "tests/support/program_run.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+using namespace strobe::testing;
+
+namespace {
+
+CompletedProcess bounces(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {STROBE_PROGRAM, "bounces"});
+  return run_program(std::move(arguments));
+}
+
+}  // namespace
+
+TEST_GROUP(BouncesCommand){};
+
+TEST(BouncesCommand, PrintsTheTableOfTheReadme) {
+  const CompletedProcess run = bounces({});
+  LONGS_EQUAL(0, run.status->code);
+  CHECK_EQUAL("", run.err);
+  const std::string readme = read_text(STROBE_BOUNCES_README);
+  const std::string begin = "<!-- strobe bounces -->\n```text\n",
+                    end = "```\n<!-- end of strobe bounces -->\n";
+  const std::size_t first = readme.find(begin), last = readme.find(end);
+  CHECK(first != std::string::npos && last != std::string::npos);
+  CHECK_EQUAL(run.out, readme.substr(first + begin.size(), last - first - begin.size()));
+}
+
+TEST(BouncesCommand, PrintsOneJsonObjectABounce) {
+  const CompletedProcess run = bounces({"--json"});
+  LONGS_EQUAL(0, run.status->code);
+  const auto rows = parse_json_lines(run.out);
+  LONGS_EQUAL(43, rows.size());  // 6 + 1 + 1 + 8 + 13 + 14
+  std::set<std::string> sets;
+  for (const auto& row : rows) sets.insert(row["set"].get<std::string>());
+  LONGS_EQUAL(6, sets.size());
+  CHECK_EQUAL("wood_20", rows[0]["row"].get<std::string>());
+  DOUBLES_EQUAL(-34.9, rows[0]["measured"]["omega_lo_radps"].get<double>(), 0.0);
+  const auto& mechanics = rows[0]["predictions"]["mechanics"];
+  DOUBLES_EQUAL(mechanics["omega_lo_radps"].get<double>() + 34.9,
+                mechanics["omega_residual_radps"].get<double>(), 1e-12);
+  CHECK(rows.back()["measured"]["vx_lo_mps"].is_null());
+}
+
+TEST(BouncesCommand, PrintsOneSet) {
+  LONGS_EQUAL(8, parse_json_lines(bounces({"--set", "cross_2010", "--json"}).out).size());
+}
+
+TEST(BouncesCommand, NamesTheSetsThereAre) {
+  const CompletedProcess run = bounces({"--set", "brody"});
+  LONGS_EQUAL(2, run.status->code);
+  CHECK_EQUAL("", run.out);
+  CHECK_EQUAL(
+      "strobe: bounces: no set brody; there are cross_2002_table_2, cross_2002_table_1, "
+      "cross_2002_superball, "
+      "cross_2010, cross_2014, lindsey_strings\n",
+      run.err);
+}
+
+TEST(BouncesCommand, ReadsAFolderOfOnesOwnAndSaysWhatIsWrongInIt) {
+  const TemporaryFolder folder;
+  write_text(folder / "balls.csv",
+             "ball,build,diameter_m,mass_kg,alpha,alpha_sd,source\nb,shell,.066,.057,.55,.02,mine\n");
+  write_text(folder / "sets.csv", "set,publication,read_from\nmine,none,my notes\n");
+  write_text(folder / "friction.csv",
+             "set,surface,row,mu,elsewhere_mu,elsewhere_mu_sd,reason\nmine,wood,,.3,,,a guess\n");
+  const std::string header =
+      "row,ball,surface,incline_deg,vx_td_mps,vx_td_sd_mps,vy_td_mps,vy_td_sd_mps,omega_td_radps,omega_td_sd_"
+      "radps,"
+      "vx_lo_mps,vx_lo_sd_mps,vy_lo_mps,vy_lo_sd_mps,omega_lo_radps,omega_lo_sd_radps\n";
+  write_text(folder / "mine.csv", header + "one,b,wood,,3,.1,-1,.1,0,0,2,.1,.8,.1,-30,1\n");
+  const auto rows = parse_json_lines(bounces({"--data", folder.path().string(), "--json"}).out);
+  LONGS_EQUAL(1, rows.size());
+  DOUBLES_EQUAL(0.3, rows[0]["mu"].get<double>(), 0.0);
+  write_text(folder / "mine.csv", header + "one,b,wood,,3,.1,1,.1,0,0,2,.1,.8,.1,-30,1\n");
+  const CompletedProcess run = bounces({"--data", folder.path().string()});
+  LONGS_EQUAL(2, run.status->code);
+  CHECK_EQUAL("strobe: bounces: " + (folder / "mine.csv").string() + ":2: vy_td_mps: must be negative\n",
+              run.err);
+}
