@@ -12,7 +12,7 @@ std::vector<const thesis::Condition*> ThesisInputs::conditions(std::string_view 
 }
 
 Result<ThesisInputs> load_inputs(const std::filesystem::path& folder, thesis::Version version,
-                                 const std::string& only_set) {
+                                 const std::string& only_set, const impact::ContactFitOptions& mechanics) {
   auto printed = thesis::load(folder, thesis::Version::as_printed);
   if (!printed) return tl::unexpected(printed.error());
   auto used = version == thesis::Version::as_printed ? printed : thesis::load(folder, version);
@@ -26,11 +26,12 @@ Result<ThesisInputs> load_inputs(const std::filesystem::path& folder, thesis::Ve
                       .corrected = version == thesis::Version::corrected,
                       .values = *std::move(values),
                       .only_set = only_set,
+                      .mechanics_options = mechanics,
                       .observations = {},
                       .mechanics = {}};
   for (const thesis::Condition& c : inputs.used.conditions)
     inputs.observations.push_back(impact::observation_of(c));
-  auto fit = impact::fit_contact(inputs.observations);
+  auto fit = impact::fit_contact(inputs.observations, mechanics);
   if (!fit) return fail("contact mechanics: " + fit.error().message);
   inputs.mechanics = *std::move(fit);
   return inputs;
@@ -46,7 +47,8 @@ std::optional<impact::ContactTrajectory> simulate_contact(const ThesisInputs& in
   const impact::ContactVector& fitted = inputs.mechanics.value;
   auto course = impact::ContactTrajectory::make(
       impact::ball_of(fitted), {c.vx_td_mps.mean, c.vy_td_mps.mean, c.omega_td_radps.mean},
-      impact::coefficients_of(impact::observation_of(c), fitted, {}));
+      impact::coefficients_of(impact::observation_of(c), fitted, inputs.mechanics_options),
+      inputs.mechanics_options.contact());
   if (!course) return std::nullopt;
   return *std::move(course);
 }

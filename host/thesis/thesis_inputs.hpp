@@ -22,6 +22,7 @@ struct ThesisInputs {
   bool corrected = true;
   std::vector<thesis::PrintedValue> values;
   std::string only_set;                                  ///< empty: all
+  impact::ContactFitOptions mechanics_options;           ///< of the fit, and of the contacts shown
   std::vector<impact::ContactObservation> observations;  ///< of all sets, not only those shown
   impact::ContactFit mechanics;                          ///< the contact ODE fitted to them
 
@@ -32,7 +33,8 @@ struct ThesisInputs {
 
 /// Fails if a file is missing or wrong, if there is no set of that name, or if the fit fails.
 Result<ThesisInputs> load_inputs(const std::filesystem::path& folder, thesis::Version version,
-                                 const std::string& only_set);
+                                 const std::string& only_set,
+                                 const impact::ContactFitOptions& mechanics = {});
 
 /// Spins in printed order, and the thesis's names for them.
 inline constexpr std::string_view kSpins[] = {"zero", "top", "back"};

@@ -51,24 +51,24 @@ Result<OdeInput> ode_input(const Scene& scene, const ShotConditions& thrown, con
 }
 
 /// From release, moving freely, to the centre at R.
-Result<LiftOff> rise(const Scene& scene, const impact::Motion& td, const impact::ContactSummary& summary,
+Result<LiftOff> rise(const Scene& scene, const impact::Motion& td, const impact::ContactLiftOff& release,
                      double depth_m, double gravity_mps2) {
   LiftOff end;
   impact::Motion& lo = end.rebound.lift_off;
-  lo = summary.lift_off;
+  lo = release.lift_off;
   const double left = lo.vy_mps * lo.vy_mps - 2.0 * gravity_mps2 * depth_m;
   if (!(lo.vy_mps > 0.0) || left <= 0.0) return fail("the ball's weight keeps it on the surface");
   const double free_s = 2.0 * depth_m / (lo.vy_mps + std::sqrt(left));
   lo.vy_mps = std::sqrt(left);
-  const double release_mps = summary.lift_off.vy_mps;
-  end.impulse_factor = (release_mps - td.vy_mps + gravity_mps2 * summary.dwell_s) / (lo.vy_mps - td.vy_mps);
-  end.dwell_s = summary.dwell_s + free_s;
-  end.displacement_m = summary.dwell_distance_m + lo.vx_mps * free_s;
-  end.rotation_rad = summary.rotation_rad + lo.omega_radps * free_s;
+  const double release_mps = release.lift_off.vy_mps;
+  end.impulse_factor = (release_mps - td.vy_mps + gravity_mps2 * release.dwell_s) / (lo.vy_mps - td.vy_mps);
+  end.dwell_s = release.dwell_s + free_s;
+  end.displacement_m = release.dwell_distance_m + lo.vx_mps * free_s;
+  end.rotation_rad = release.rotation_rad + lo.omega_radps * free_s;
   const double radius = scene.ball.radius_m();
   const double impulse = lo.vy_mps - td.vy_mps;
-  end.rebound.regime = summary.regime;
-  end.rebound.slip_lo_mps = summary.slip_lo_mps;
+  end.rebound.regime = release.regime;
+  end.rebound.slip_lo_mps = lo.vx_mps + radius * lo.omega_radps;
   end.rebound.impulse_ratio = (td.vx_mps - lo.vx_mps) / impulse;
   end.rebound.offset_m = (scene.ball.alpha * radius * radius * (lo.omega_radps - td.omega_radps) -
                           radius * (lo.vx_mps - td.vx_mps)) /
@@ -150,9 +150,9 @@ bool needs_calibration(const Scene& scene, const Model& model) {
 Result<LiftOff> ode_lift_off(const Scene& scene, const ShotConditions& thrown, const Model& model) {
   const auto input = ode_input(scene, thrown, model);
   if (!input) return tl::unexpected(input.error());
-  const auto summary = impact::simulate(scene.ball, thrown.touchdown, input->coefficients);
-  if (!summary) return refused(summary.error());
-  return rise(scene, thrown.touchdown, *summary, input->still_compressed_s * summary->lift_off.vy_mps,
+  const auto release = impact::lift_off(scene.ball, thrown.touchdown, input->coefficients);
+  if (!release) return refused(release.error());
+  return rise(scene, thrown.touchdown, *release, input->still_compressed_s * release->lift_off.vy_mps,
               input->coefficients.gravity_mps2);
 }
 
@@ -245,13 +245,13 @@ Result<ContactPath> ContactPath::by_ode(const Scene& scene, const ShotConditions
                                         const Model& model) {
   const auto input = ode_input(scene, thrown, model);
   if (!input) return tl::unexpected(input.error());
-  auto ode = impact::ContactTrajectory::make(scene.ball, thrown.touchdown, input->coefficients);
+  auto ode = impact::ContactCourse::make(scene.ball, thrown.touchdown, input->coefficients);
   if (!ode) return refused(ode.error());
-  const impact::ContactSummary& summary = ode->summary();
+  const impact::ContactLiftOff& release = ode->lift_off();
   ContactPath path;
-  path.release_ = {summary.dwell_s, summary.lift_off.vy_mps,
-                   input->still_compressed_s * summary.lift_off.vy_mps, input->coefficients.gravity_mps2};
-  const auto end = rise(scene, thrown.touchdown, summary, path.release_.depth_m, path.release_.gravity_mps2);
+  path.release_ = {release.dwell_s, release.lift_off.vy_mps,
+                   input->still_compressed_s * release.lift_off.vy_mps, input->coefficients.gravity_mps2};
+  const auto end = rise(scene, thrown.touchdown, release, path.release_.depth_m, path.release_.gravity_mps2);
   if (!end) return tl::unexpected(end.error());
   path.end_ = *end;
   path.ode_ = std::move(*ode);
@@ -275,8 +275,10 @@ ContactPath::State ContactPath::at(double time_s) const { return ode_ ? ode_at(t
 
 ContactPath::State ContactPath::ode_at(double time_s) const {
   if (time_s <= release_.time_s) {
-    const impact::ContactState s = ode_->at(time_s);
-    return {s.x_m, std::max(0.0, -s.y_m), s.vx_mps, s.vy_mps, s.omega_radps, s.rotation_rad};
+    const impact::ContactMotion s = ode_->at(time_s);
+    return {
+        s.x_m,         std::max(0.0, -s.y_m), s.velocity.vx_mps, s.velocity.vy_mps, s.velocity.omega_radps,
+        s.rotation_rad};
   }
   const impact::Motion& lo = end_.rebound.lift_off;
   const double left_s = end_.dwell_s - time_s;

@@ -36,7 +36,7 @@
 
 #include "common/impact/closed_form/rebound.hpp"
 #include "common/impact/closed_form/sine_pulse.hpp"
-#include "common/impact/ode/contact_trajectory.hpp"
+#include "common/impact/ode/contact_course.hpp"
 #include "common/result.hpp"
 #include "sim/motion/shot_conditions.hpp"
 #include "sim/scene/model.hpp"
@@ -136,7 +136,7 @@ class ContactPath {
   State sine_at(double time_s) const;
 
   LiftOff end_;
-  std::optional<impact::ContactTrajectory> ode_;
+  std::optional<impact::ContactCourse> ode_;
   Release release_;  ///< of the ODE
   std::optional<SinePath> sine_;
 };

@@ -104,11 +104,24 @@ void pulse(const Bounce& b) {
   keep(impact::pulse_rebound(impact::PulseForm::exact, ball::Ball{}, b.touchdown, b.e, b.mu, b.dwell_s));
 }
 
-Case contact_case(const std::string& name, double tolerance) {
+impact::ContactOptions by_steps(double tolerance) {
+  return {.method = impact::ContactMethod::dormand_prince, .tolerance = tolerance};
+}
+
+/// All that is computed of a contact, by a method.
+Case contact_case(const std::string& name, const impact::ContactOptions& options) {
+  return {name, [options] {
+            const ball::Ball ball{.alpha = impact::kContactAlpha};
+            for (const Bounce& b : kBounces)
+              keep(impact::simulate(ball, b.touchdown, {.e = b.e, .dwell_s = b.dwell_s}, options));
+          }};
+}
+
+Case lift_off_case(const std::string& name, double tolerance) {
   return {name, [tolerance] {
             const ball::Ball ball{.alpha = impact::kContactAlpha};
             for (const Bounce& b : kBounces)
-              keep(impact::simulate(ball, b.touchdown, {.e = b.e, .dwell_s = b.dwell_s},
+              keep(impact::lift_off(ball, b.touchdown, {.e = b.e, .dwell_s = b.dwell_s},
                                     {.tolerance = tolerance}));
           }};
 }
@@ -213,8 +226,13 @@ std::vector<Case> all_cases() {
           closed_form_case("impact_rigid", rigid),
           closed_form_case("impact_grip", grip),
           closed_form_case("impact_pulse", pulse),
-          contact_case("contact_1e-3", 1e-3),
-          contact_case("contact_1e-9", 1e-9),
+          contact_case("contact_1e-3", by_steps(1e-3)),
+          contact_case("contact_1e-9", by_steps(1e-9)),
+          contact_case("contact_collocation_1e-9", {.tolerance = 1e-9}),
+          lift_off_case("lift_off_1e-3", 1e-3),
+          lift_off_case("lift_off_1e-6", 1e-6),
+          lift_off_case("lift_off_1e-9", 1e-9),
+          lift_off_case("lift_off_1e-12", 1e-12),
           flash_match_case(),
           digitize_case(),
           simulated_shot_case(),

@@ -31,7 +31,7 @@ Error refused(const ContactObservation& o, InputError error) {
 
 tl::expected<ContactSummary, InputError> compute(const ContactObservation& o, const ContactVector& p,
                                                  const ContactFitOptions& options) {
-  return simulate(ball_of(p), o.touchdown, coefficients_of(o, p, options), {.tolerance = options.tolerance});
+  return simulate(ball_of(p), o.touchdown, coefficients_of(o, p, options), options.contact());
 }
 
 Result<Eigen::VectorXd> residuals(std::span<const ContactObservation> observations, const ContactVector& p,
@@ -39,7 +39,8 @@ Result<Eigen::VectorXd> residuals(std::span<const ContactObservation> observatio
   Eigen::VectorXd r(2 * static_cast<Eigen::Index>(observations.size()));
   Eigen::Index row = 0;
   for (const ContactObservation& o : observations) {
-    const auto computed = compute(o, p, options);
+    const auto computed =
+        lift_off(ball_of(p), o.touchdown, coefficients_of(o, p, options), options.contact());
     if (!computed) return tl::unexpected(refused(o, computed.error()));
     r[row++] = (computed->lift_off.vx_mps - o.lift_off.vx_mps) / options.vx_sd_mps;
     r[row++] = (computed->lift_off.omega_radps - o.lift_off.omega_radps) / options.omega_sd_radps;
@@ -47,7 +48,7 @@ Result<Eigen::VectorXd> residuals(std::span<const ContactObservation> observatio
   return r;
 }
 
-/// The integration is accurate to about 1e-9, not to rounding: wider differences, and a tolerance above its
+/// A contact is accurate to about 1e-9, not to rounding: wider differences, and a tolerance above its
 /// noise.
 LeastSquaresProblem problem_of(std::function<Eigen::VectorXd(const Eigen::VectorXd&)> residuals) {
   return {.residuals = std::move(residuals),

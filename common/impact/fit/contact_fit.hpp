@@ -49,7 +49,10 @@ struct ContactFitOptions {
   double offset_reference_mps = kContactOffsetReference_mps;
   double vx_sd_mps = 0.38;       ///< divisor of lift-off's residuals: the thesis's pooled replicate sd
   double omega_sd_radps = 11.5;  ///< the same for the spin
-  double tolerance = 1e-9;       ///< of the integration, 1e-12…1e-6
+  double tolerance = 1e-9;       ///< of the contact, 1e-12…1e-6
+  ContactMethod method = ContactMethod::collocation;
+
+  ContactOptions contact() const { return {.method = method, .tolerance = tolerance}; }
 };
 
 struct ContactFitPoint {

@@ -113,8 +113,7 @@ using Values = std::array<std::optional<double>, kQuantities>;
 
 /// All nullopt where the model refuses the inputs.
 Values evaluate(const ContactObservation& o, const ContactVector& p, const ContactFitOptions& options) {
-  const auto s =
-      simulate(ball_of(p), o.touchdown, coefficients_of(o, p, options), {.tolerance = options.tolerance});
+  const auto s = simulate(ball_of(p), o.touchdown, coefficients_of(o, p, options), options.contact());
   if (!s) return {};
   const ContactEnergy& e = s->energy;
   return {s->dwell_s,
@@ -176,8 +175,8 @@ Result<SkidAndEnergy> skid_and_energy(std::span<const ContactObservation> observ
                                       const ContactFitOptions& options) {
   SkidAndEnergy out;
   for (const ContactObservation& o : observations) {
-    const auto computed = simulate(ball_of(fit.value), o.touchdown, coefficients_of(o, fit.value, options),
-                                   {.tolerance = options.tolerance});
+    const auto computed =
+        simulate(ball_of(fit.value), o.touchdown, coefficients_of(o, fit.value, options), options.contact());
     if (!computed) return fail(o.name + ": " + std::string(message(computed.error())));
     const auto values = with_sds(o, fit, options);
     const double radius = ball_of(fit.value).radius_m();

@@ -9,13 +9,15 @@ namespace {
 template <std::size_t n>
 class Collocation {
  public:
-  Collocation(const CollocationConstants& constants, double tolerance, bool along, Segments* stored)
+  Collocation(const CollocationConstants& constants, double tolerance, bool along, Segments* stored,
+              std::vector<SegmentStart>* starts)
       : c_(constants),
         s_(constants.system),
         tolerance_(tolerance),
         along_(along),
         stored_(stored),
-        allowed_(allowance()),
+        starts_(starts),
+        allowed_(allowance(c_, tolerance)),
         solver_(c_, allowed_),
         law_(c_, tolerance) {
     mode_ = initial_mode(s_);
@@ -39,6 +41,12 @@ class Collocation {
     return out_;
   }
 
+  /// Error of D that a segment may make: a quarter of the tolerance in w = R·omega, relative to the scale of
+  /// tangential changes.
+  static double allowance(const CollocationConstants& c, double tolerance) {
+    return 0.25 * tolerance * c.system.alpha * c.system.tangential_scale();
+  }
+
  private:
   static constexpr int kMaxAttempts = 12;
   /// Growth of exp(b·t) and of the hyperbolic functions within a segment: what the difference of its ends loses.
@@ -46,10 +54,6 @@ class Collocation {
   /// Decay, within a segment, of what the stretch of a slip began with: Gauss's rule of n nodes integrates its square
   /// to 1e-10 with 8 nodes and 1e-14 with 12.
   static constexpr double kMaxDecay = n == 8 ? 3.0 : 5.0;
-
-  /// Error of D that a segment may make: a quarter of the tolerance in w = R·omega, relative to the scale of
-  /// tangential changes.
-  double allowance() const { return 0.25 * tolerance_ * s_.alpha * s_.tangential_scale(); }
 
   /// Where the depth passes the radius, up and down: the footprint's law changes.
   std::array<double, 2> full_footprint() const {
@@ -103,9 +107,9 @@ class Collocation {
   double guess() const {
     if (mode_ == ContactMode::grips || guessed_) return 2.0;
     // Sliding as a rigid contact, without an offset and damping: gripping after 1 - cos(tau) of the impulse.
-    const double impulse = std::abs(s_.slip0) / (c_.beta * s_.mu);
-    if (!(impulse < 1.9)) return 2.0;
-    return 1.2 * c_.normal.x_of(std::acos(1.0 - impulse)) + 0.02;
+    const double needed = std::abs(s_.slip0), largest = c_.beta * s_.mu;
+    if (!(needed < 1.9 * largest)) return 2.0;
+    return 1.2 * c_.normal.x_of(std::acos(1.0 - needed / largest)) + 0.02;
   }
 
   bool step() {
@@ -198,6 +202,7 @@ class Collocation {
       solver_.interpolate(segment_);
       stored_->all[stored_->count++] = segment_;
     }
+    if (starts_) starts_->push_back({mode_, x_, from_, at_});
     switch_law_ = s_.ct > 0.0 ? 2.0 * std::abs(law_.at_end()) : 0.0;
     x_ = x;
     from_ = to_;
@@ -229,6 +234,7 @@ class Collocation {
   double tolerance_;
   bool along_;
   Segments* stored_;
+  std::vector<SegmentStart>* starts_;
   double allowed_;
   SegmentSolver<n> solver_;
   LawAlongSegment<n> law_;
@@ -246,16 +252,60 @@ class Collocation {
 
 template <std::size_t n>
 std::optional<CollocatedContact> by_nodes(const CollocationConstants& c, double tolerance, bool along,
-                                          Segments* segments) {
-  return Collocation<n>(c, tolerance, along, segments).run();
+                                          Segments* segments, std::vector<SegmentStart>* starts) {
+  return Collocation<n>(c, tolerance, along, segments, starts).run();
 }
+
+/// In one segment, which is shorter than one that was solved; in more where that fails nevertheless.
+template <std::size_t n>
+SegmentPoint point_by_nodes(const CollocationConstants& c, double tolerance, const SegmentStart& start,
+                            double tau) {
+  constexpr double kShortest = 1e-9;
+  SegmentSolver<n> solver(c, Collocation<n>::allowance(c, tolerance));
+  Segment segment;
+  segment.mode = start.mode;
+  segment.x = start.x;
+  segment.from = start.from;
+  segment.start = start.start;
+  const double end = c.normal.x_of(tau);
+  double size = end - start.x;
+  while (segment.x < end) {
+    const bool last = segment.x + size >= end;
+    segment.size = last ? end - segment.x : size;
+    NormalState to;
+    to.tau = last ? tau : c.normal.tau(segment.x + size);
+    if (!solver.solve(segment, to, true) && size > kShortest) {
+      size *= 0.5;
+      continue;
+    }
+    segment.x += segment.size;
+    segment.from = to;
+    segment.start = solver.end();
+    if (last) break;
+  }
+  return {segment.from, segment.start};
+}
+
+bool few_nodes(double tolerance) { return tolerance > 3e-8; }
 
 }  // namespace
 
 std::optional<CollocatedContact> collocate(const CollocationConstants& c, double tolerance, bool along,
                                            Segments* segments) {
-  if (tolerance > 3e-8) return by_nodes<8>(c, tolerance, along, segments);
-  return by_nodes<12>(c, tolerance, along, segments);
+  if (few_nodes(tolerance)) return by_nodes<8>(c, tolerance, along, segments, nullptr);
+  return by_nodes<12>(c, tolerance, along, segments, nullptr);
+}
+
+std::optional<CollocatedContact> collocate(const CollocationConstants& c, double tolerance,
+                                           std::vector<SegmentStart>& starts) {
+  if (few_nodes(tolerance)) return by_nodes<8>(c, tolerance, false, nullptr, &starts);
+  return by_nodes<12>(c, tolerance, false, nullptr, &starts);
+}
+
+SegmentPoint point_at(const CollocationConstants& c, double tolerance, const SegmentStart& start,
+                      double tau) {
+  if (few_nodes(tolerance)) return point_by_nodes<8>(c, tolerance, start, tau);
+  return point_by_nodes<12>(c, tolerance, start, tau);
 }
 
 }  // namespace strobe::impact::detail

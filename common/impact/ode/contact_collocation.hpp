@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "common/impact/ode/collocation_segment.hpp"
 
@@ -30,15 +31,32 @@ struct CollocatedContact {
   Regime regime() const { return first_grip_tau || slip_zero_tau ? Regime::grips : Regime::slides; }
 };
 
+/// From where a segment was solved.
+struct SegmentStart {
+  ContactMode mode = ContactMode::grips;
+  double x = 0.0;
+  NormalState from;
+  TangentialState start;
+};
+
+/// Whether the options ask for collocation, to a tolerance that there is.
+inline bool collocates(const ContactOptions& options) {
+  return options.method == ContactMethod::collocation && options.tolerance >= 1e-12 &&
+         options.tolerance <= 1e-3;
+}
+
 /// Returns nullopt where the integrator has to take over: a weight, a reference speed, a stiffness for which
 /// the segments would be too many. `segments`, if not null, receives them; `along`: the error control is that of
 /// every point of a segment, not of its end.
 std::optional<CollocatedContact> collocate(const CollocationConstants& constants, double tolerance,
                                            bool along, Segments* segments);
 
-inline bool collocates(const ContactOptions& options) {
-  return options.method == ContactMethod::collocation && options.tolerance >= 1e-12 &&
-         options.tolerance <= 1e-3;
-}
+/// The same without segments, but for where each begins. Allocates for those.
+std::optional<CollocatedContact> collocate(const CollocationConstants& constants, double tolerance,
+                                           std::vector<SegmentStart>& starts);
+
+/// The state at `tau` of the segment that begins with `start`, to the tolerance of the end of one.
+SegmentPoint point_at(const CollocationConstants& constants, double tolerance, const SegmentStart& start,
+                      double tau);
 
 }  // namespace strobe::impact::detail

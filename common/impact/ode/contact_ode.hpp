@@ -22,13 +22,13 @@
 //
 // Numerics, in units of |vy|, sqrt(m/k) and m, as changes since touchdown, so that no range of speeds loses digits.
 //
-// dormand_prince, the reference: the embedded pair 5(4) with the error of speeds, displacements and energies within the
+// dormand_prince, the reference and what takes over where collocation gives up: the embedded pair 5(4) with the error of speeds, displacements and energies within the
 // tolerance; or fixed steps of RK4 or semi-implicit Euler. Mode changes and the release are bracketed on the step's
 // cubic Hermite interpolant and then located to rounding by repeating the step with that size, so that no step spans a
 // change of mode and the method keeps its order; likewise friction reversals, the deepest point and the largest force.
 // Where rounding decides between grip and slip, the present mode is kept for 1e-7 of sqrt(m/k).
 //
-// collocation: the normal motion is a damped sine in closed form, and with it, gripping or slipping, all tangential
+// collocation, the main method: the normal motion is a damped sine in closed form, and with it, gripping or slipping, all tangential
 // motion but the impulse of the offset's couple, which is a fixed point on Gauss–Legendre nodes (segment_solver.hpp).
 // Segments end where friction changes its law; their error is that of the last Legendre coefficients. Where that would
 // take too many (grips that decay within a small part of the contact, w0 far below |vy|) or the closed forms do not
@@ -157,8 +157,8 @@ struct ContactSummary {
   ContactEnergy energy;
   std::array<ContactEvent, kMaxContactEvents> events{};
   int event_count = 0;
-  ContactMethod method = ContactMethod::dormand_prince;  ///< that computed it, not always the one asked for
-  int steps = 0;                                         ///< collocation: segments
+  ContactMethod method = ContactMethod::collocation;  ///< that computed it, not always the one asked for
+  int steps = 0;                                      ///< collocation: segments
   int evaluations = 0;  ///< of the right-hand side, those of locating events included
 
   std::span<const ContactEvent> event_list() const {
@@ -167,7 +167,7 @@ struct ContactSummary {
 };
 
 struct ContactOptions {
-  ContactMethod method = ContactMethod::dormand_prince;
+  ContactMethod method = ContactMethod::collocation;
   /// dormand_prince, collocation: error at release relative to the scale of each motion, 1e-12…1e-3.
   double tolerance = 1e-9;
   int steps = 200;  ///< fixed-step methods: steps from touchdown to release without gravity, 4…1e7
@@ -195,9 +195,9 @@ struct ContactLiftOff {
   ContactMethod method = ContactMethod::collocation;  ///< that computed it
 };
 
-/// The same contact, by collocation at a small part of simulate()'s cost. Errors as for simulate().
+/// The same contact; by collocation at a small part of simulate()'s cost. Errors as for simulate().
 tl::expected<ContactLiftOff, InputError> lift_off(const ball::Ball& ball, const Motion& touchdown,
                                                   const ContactCoefficients& coefficients,
-                                                  const ContactOptions& options);
+                                                  const ContactOptions& options = {});
 
 }  // namespace strobe::impact

@@ -13,7 +13,7 @@ tl::expected<ContactTrajectory, InputError> ContactTrajectory::make(const ball::
                                                                     const ContactOptions& options) {
   const auto system = detail::make_system(ball, touchdown, coefficients);
   if (!system) return tl::unexpected(system.error());
-  if (options.method == ContactMethod::collocation && options.tolerance >= 1e-12 && options.tolerance <= 1e-3)
+  if (detail::collocates(options))
     if (auto solved = by_collocation(*system, options.tolerance)) return std::move(*solved);
   ContactTrajectory out;
   out.system_ = *system;

@@ -44,7 +44,7 @@ bool take_ode(const Row& row, PredictInput& in) {
   in.model = "ode";
   if (row.method == "ode") {
     const auto tolerance = number<double>(row, "tolerance");
-    in.integration = {.tolerance = tolerance.value_or(0.0)};
+    in.integration = {.method = impact::ContactMethod::dormand_prince, .tolerance = tolerance.value_or(0.0)};
     return tolerance.has_value();
   }
   const auto steps = number<int>(row, "steps");

@@ -55,12 +55,15 @@ ordered_json inputs_of(const PredictInput& o) {
     in["offset_reference_mps"] = o.contact.offset_reference_mps;
     in["gravity_mps2"] = o.contact.gravity_mps2;
     in["gravity_along_mps2"] = o.contact.gravity_along_mps2;
-    if (o.integration.method == impact::ContactMethod::dormand_prince) {
+    const bool fixed_steps = o.integration.method == impact::ContactMethod::rk4 ||
+                             o.integration.method == impact::ContactMethod::semi_implicit_euler;
+    if (!fixed_steps) {
       in["tolerance"] = o.integration.tolerance;
     } else {
       in["integrator"] = o.integration.method == impact::ContactMethod::rk4 ? "rk4" : "euler";
       in["steps"] = o.integration.steps;
     }
+    in["method"] = impact::name(o.integration.method);
   }
   return in;
 }
@@ -103,6 +106,9 @@ void print_table(const PredictInput& o, const Prediction& p) {
   std::printf("%s; slip at lift-off %.3f m/s, impulse ratio %.4f\n", name(p.rebound.regime).data(),
               p.rebound.slip_lo_mps, p.rebound.impulse_ratio);
   if (p.contact) print_contact(*p.contact);
+  if (p.contact && p.contact->summary().method != o.integration.method)
+    std::printf("collocation gave up on this contact: computed by %s to 1e-12\n",
+                impact::name(p.contact->summary().method).data());
   if (!p.pulse) return;
   std::printf(
       "pulse of %g ms, %s form: stops slipping at %.3f of it, %.1f mm deep, %.2f cm along, %.0f N at most\n",
@@ -192,9 +198,10 @@ void add_predict_command(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("predict", "Predict the rebound from the motion at touchdown.");
   add_predict_options(*command, *options);
   command_line::for_experts(
-      *command, {"--form", "--kt-ratio", "--ct", "--offset-footprint", "--offset-reference-mps",
-                 "--gravity-mps2", "--gravity-along-mps2", "--ode-tolerance", "--trajectory", "--samples",
-                 "--tolerance", "--deadline-us", "--frontier", "--offset-mm", "--alpha"});
+      *command,
+      {"--form", "--kt-ratio", "--ct", "--offset-footprint", "--offset-reference-mps", "--gravity-mps2",
+       "--gravity-along-mps2", "--ode-tolerance", "--method", "--ode-steps", "--trajectory", "--samples",
+       "--tolerance", "--deadline-us", "--frontier", "--offset-mm", "--alpha"});
   command->footer(
       "Examples: strobe predict --vx 15.62 --vy -6.71 --omega 2.6 --model grip --e 0.86\n"
       "          strobe predict --vx 14.49 --vy -9.95 --model ode --e 0.77 --dwell-time-ms 4.84 --samples "

@@ -70,6 +70,7 @@ void add_contact_json(ordered_json& out, const impact::ContactTrajectory& contac
     out["events"].push_back({{"time_ms", event.time_s * 1e3}, {"event", impact::name(event.kind)}});
   out["energy"] = energy_json(s.energy);
   out["steps"] = s.steps;
+  out["method"] = impact::name(s.method);
   if (samples == 0) return;
   out["trajectory"] = ordered_json::array();
   for (int i = 0; i < samples; ++i) out["trajectory"].push_back(state_json(sample(contact, i, samples)));

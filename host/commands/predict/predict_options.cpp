@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace strobe::host {
 
@@ -22,6 +24,8 @@ constexpr std::array kModelOptions{ModelOption{"--ex", "grip", false},
                                    ModelOption{"--offset-mm", "grip", false},
                                    ModelOption{"--form", "pulse", false},
                                    ModelOption{"--ode-tolerance", "ode", false},
+                                   ModelOption{"--method", "ode", false},
+                                   ModelOption{"--ode-steps", "ode", false},
                                    ModelOption{"--mass-kg", "pulse or ode", true},
                                    ModelOption{"--dwell-time-ms", "pulse or ode", true},
                                    ModelOption{"--kt-ratio", "ode", true},
@@ -30,6 +34,10 @@ constexpr std::array kModelOptions{ModelOption{"--ex", "grip", false},
                                    ModelOption{"--offset-reference-mps", "ode", true},
                                    ModelOption{"--gravity-mps2", "ode", true},
                                    ModelOption{"--gravity-along-mps2", "ode", true}};
+
+constexpr std::array kContactMethods{impact::ContactMethod::collocation,
+                                     impact::ContactMethod::dormand_prince, impact::ContactMethod::rk4,
+                                     impact::ContactMethod::semi_implicit_euler};
 
 /// The model's default where the option is left out, for the help.
 std::string defaults(double (*of)(std::string_view)) {
@@ -58,6 +66,26 @@ void add_model_options(CLI::App& command, PredictInput& o) {
       ->check(CLI::IsMember({"exact", "simplified"}));
 }
 
+/// By the names that the JSON tells.
+void add_method_options(CLI::App& command, PredictOptions& options) {
+  std::vector<std::string> names;
+  for (const auto method : kContactMethods) names.emplace_back(impact::name(method));
+  const auto choose = [&options](const std::string& text) {
+    for (const auto method : kContactMethods)
+      if (impact::name(method) == text) options.input.integration.method = method;
+  };
+  command
+      .add_option_function<std::string>(
+          "--method", choose,
+          "ode: how the contact is computed: by collocation; by dormand_prince, the reference, which also "
+          "takes over (the JSON's `method` says so) where collocation gives up; rk4 and "
+          "semi_implicit_euler, with fixed steps, are for comparison")
+      ->check(CLI::IsMember(names))
+      ->default_str(names.front());
+  command.add_option("--ode-steps", options.input.integration.steps,
+                     "ode by rk4 or semi_implicit_euler: steps, 4 to 10000000");
+}
+
 void add_ode_options(CLI::App& command, PredictOptions& options) {
   PredictInput& o = options.input;
   command.add_option("--kt-ratio", o.contact.stiffness_ratio,
@@ -73,7 +101,8 @@ void add_ode_options(CLI::App& command, PredictOptions& options) {
   command.add_option("--gravity-along-mps2", o.contact.gravity_along_mps2,
                      "ode: weight along an inclined surface, in the direction of +x, m/s^2");
   command.add_option("--ode-tolerance", o.integration.tolerance,
-                     "ode: relative error that the integration is held to, 1e-12 to 1e-3");
+                     "ode: relative error that collocation and dormand_prince are held to, 1e-12 to 1e-3");
+  add_method_options(command, options);
   command.add_option("--trajectory", options.trajectory_file,
                      "ode: write the trajectory of the contact to this CSV file");
   command

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
@@ -26,6 +27,7 @@ struct ThesisOptions {
   std::string figures;
   bool all_sets = false;
   bool as_printed = false;
+  std::string method{name(impact::ContactMethod::collocation)};
   bool json = false;
 };
 
@@ -124,6 +126,11 @@ int draw_figures(const report::ThesisInputs& inputs, const ThesisOptions& option
   return kDone;
 }
 
+impact::ContactMethod method_of(const ThesisOptions& options) {
+  const auto integrator = impact::ContactMethod::dormand_prince;
+  return options.method == name(integrator) ? integrator : impact::ContactMethod::collocation;
+}
+
 int run_thesis(const ThesisOptions& options) {
   if (!options.table.empty() && !report::find_table(options.table))
     return bad_input("thesis: no table " + options.table + "; there are " + ids());
@@ -132,7 +139,8 @@ int run_thesis(const ThesisOptions& options) {
   const auto share = config::share_folder();
   if (!share) return bad_input(share.error().message);
   const auto version = options.as_printed ? thesis::Version::as_printed : thesis::Version::corrected;
-  const auto inputs = report::load_inputs(*share / "thesis", version, options.set);
+  const auto inputs =
+      report::load_inputs(*share / "thesis", version, options.set, {.method = method_of(options)});
   if (!inputs) return bad_input("thesis: " + inputs.error().message);
   return options.figures.empty() ? print_tables(*inputs, options) : draw_figures(*inputs, options);
 }
@@ -158,7 +166,12 @@ void add_thesis_command(CLI::App& app, int& exit_status) {
   figures->type_name("DIR");
   for (CLI::Option* option : {table, set, figures}) option->check(not_empty);
   command->add_flag("--as-printed", options->as_printed, "The thesis's data without its corrections");
+  command
+      ->add_option("--method", options->method,
+                   "How the contact mechanics is computed: collocation, or dormand_prince, the reference")
+      ->check(CLI::IsMember({"collocation", "dormand_prince"}));
   command->add_flag("--json", options->json, "One JSON object for each table, or figure, on stdout");
+  command_line::for_experts(*command, {"--method"});
   command->footer(
       "Examples: strobe thesis --table 8\n"
       "          strobe thesis --set zero_23 --json\n"

@@ -41,7 +41,7 @@ Table mechanics_table(const ThesisInputs& m) {
   row.cells.push_back(computed_only(fit.vx_rms_mps));
   row.cells.push_back(computed_only(fit.omega_rms_radps));
   table.rows.push_back(std::move(row));
-  if (const auto left_out = impact::leave_one_group_out(m.observations)) {
+  if (const auto left_out = impact::leave_one_group_out(m.observations, m.mechanics_options)) {
     for (const impact::ContactHeldOutGroup& left : *left_out) {
       Row without{"without " + left.group, {}};
       for (int i = 0; i < impact::kFitParameters; ++i) without.cells.push_back(computed_only(left.value[i]));
@@ -66,7 +66,7 @@ Table skid_table(const ThesisInputs& m) {
                    {"reversals", "reversals", "", 0},
                    {"slip_lo_mps", "slip LO computed", "m/s", 2},
                    {"measured_slip_lo_mps", "measured", "m/s", 2}};
-  const auto conclusions = impact::skid_and_energy(m.observations, m.mechanics);
+  const auto conclusions = impact::skid_and_energy(m.observations, m.mechanics, m.mechanics_options);
   if (!conclusions) return failed(std::move(table), conclusions.error().message);
   for (const impact::SkidToGrip& s : conclusions->skid_to_grip) {
     if (!m.shows(s.name)) continue;
@@ -97,7 +97,7 @@ Table energy_table(const ThesisInputs& m) {
                    {"computed_loss_j", "computed", "J", 2}, {"normal_j", "normal damping", "J", 2},
                    {"sliding_j", "sliding", "J", 2},        {"tangential_j", "tangential", "J", 2},
                    {"offset_j", "rolling friction", "J", 2}};
-  const auto conclusions = impact::skid_and_energy(m.observations, m.mechanics);
+  const auto conclusions = impact::skid_and_energy(m.observations, m.mechanics, m.mechanics_options);
   if (!conclusions) return failed(std::move(table), conclusions.error().message);
   for (const impact::EnergyBalance& e : conclusions->energy) {
     if (!m.shows(e.name)) continue;

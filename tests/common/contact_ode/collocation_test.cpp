@@ -30,6 +30,10 @@ int draws_of_a_run(int usual) {
   return asked ? std::atoi(asked) : repetitions(usual);
 }
 
+impact::ContactOptions integrator(double tolerance) {
+  return {.method = ContactMethod::dormand_prince, .tolerance = tolerance};
+}
+
 impact::ContactOptions collocation(double tolerance) {
   return {.method = ContactMethod::collocation, .tolerance = tolerance};
 }
@@ -170,7 +174,7 @@ TEST(Collocation, KeepsItsToleranceWhereNumbersAreHardOrSaysThatTheIntegratorToo
     for (int i = 0; i < count; ++i) {
       ContactCase c = set.change ? ordinary(draws) : draw_contact(draws);
       if (set.change) set.change(c, draws);
-      const auto exact = impact::simulate(contact_ball(), c.touchdown, c.coefficients, {.tolerance = 1e-12});
+      const auto exact = impact::simulate(contact_ball(), c.touchdown, c.coefficients, integrator(1e-12));
       for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
         const auto got =
             impact::lift_off(contact_ball(), c.touchdown, c.coefficients, collocation(tolerance));
@@ -298,7 +302,7 @@ TEST(Collocation, TheSummaryIsThatOfTheIntegrator) {
   for (int i = 0; i < repetitions(100); ++i) {
     const ContactCase c = ordinary(draws);
     const auto got = impact::simulate(contact_ball(), c.touchdown, c.coefficients, collocation(1e-9));
-    const auto exact = impact::simulate(contact_ball(), c.touchdown, c.coefficients, {.tolerance = 1e-12});
+    const auto exact = impact::simulate(contact_ball(), c.touchdown, c.coefficients, integrator(1e-12));
     if (got->method != ContactMethod::collocation) continue;
     const std::string text = text_of(c);
     LONGS_EQUAL_TEXT(exact->event_count, got->event_count, text.c_str());
@@ -326,7 +330,7 @@ TEST(Collocation, TheSummaryIsThatOfTheIntegrator) {
 // The trajectory's states are solved to the tolerance along the segments, against those of steps of 1e-12.
 TEST(Collocation, TheCourseAtGivenInstantsKeepsTheTolerance) {
   for (const Motion& shot : {Motion{15.0, -8.0, 20.0}, Motion{4.0, -8.0, 30.0}, Motion{-6.0, -9.0, 300.0}}) {
-    const auto exact = impact::ContactTrajectory::make(contact_ball(), shot, {}, {.tolerance = 1e-12});
+    const auto exact = impact::ContactTrajectory::make(contact_ball(), shot, {}, integrator(1e-12));
     for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
       const auto got = impact::ContactTrajectory::make(contact_ball(), shot, {}, collocation(tolerance));
       CHECK_TRUE(got->summary().method == ContactMethod::collocation);
@@ -376,7 +380,7 @@ TEST(Collocation, WhereItGivesUpTheIntegratorsResultIsGivenAndTold) {
   // A grip that decays within a thousandth of the contact.
   const ContactCoefficients stiff{.stiffness_ratio = 1e3, .damping_ratio = 10.0};
   const auto told = impact::simulate(contact_ball(), {5.0, -8.0, -100.0}, stiff, collocation(1e-6));
-  const auto asked = impact::simulate(contact_ball(), {5.0, -8.0, -100.0}, stiff, {.tolerance = 1e-12});
+  const auto asked = impact::simulate(contact_ball(), {5.0, -8.0, -100.0}, stiff, integrator(1e-12));
   CHECK_EQUAL(asked.has_value(), told.has_value());
   CHECK_TRUE(told->method == ContactMethod::dormand_prince);
   DOUBLES_EQUAL(asked->lift_off.vx_mps, told->lift_off.vx_mps, 0.0);

@@ -21,6 +21,10 @@ double over_decades(double low, double high) { return low * std::pow(high / low,
 
 const ball::Ball kPropertiesBall{.alpha = 0.579};
 
+ContactMethod any_accurate_method() {
+  return *rc::gen::element(ContactMethod::collocation, ContactMethod::dormand_prince);
+}
+
 Motion any_touchdown() {
   const double degree = std::numbers::pi / 180.0, speed = over_decades(1e-6, 1e3);
   const double angle = *rc::gen::arbitrary<bool>() ? over_decades(0.01, 90.0) : between(1.0, 90.0);
@@ -69,7 +73,8 @@ TEST(ContactProperties, EnergyNeverGrows) {
   const bool held = rc::check("energy never grows", [] {
     const Motion touchdown = any_touchdown();
     const ContactCoefficients c = any_coefficients();
-    const auto contact = ContactTrajectory::make(kPropertiesBall, touchdown, c, {.tolerance = 1e-9});
+    const auto contact = ContactTrajectory::make(kPropertiesBall, touchdown, c,
+                                                 {.method = any_accurate_method(), .tolerance = 1e-9});
     RC_ASSERT(contact.has_value());
     std::vector<double> times = contact->step_times_s();
     for (int i = 0; i <= 200; ++i) times.push_back(contact->summary().dwell_s * i / 200.0);
@@ -90,7 +95,9 @@ TEST(ContactProperties, EnergyNeverGrows) {
       RC_ASSERT(now.dissipated_j >= before.dissipated_j - allowed);
       before = now;
     }
-    RC_ASSERT(std::abs(energy.kinetic_lost_j - energy.dissipated_j()) <= allowed);
+    // Collocation's sums over its nodes are good to 1e-8 (contact_ode.hpp).
+    const double sums = contact->summary().method == ContactMethod::collocation ? 10.0 : 1.0;
+    RC_ASSERT(std::abs(energy.kinetic_lost_j - energy.dissipated_j()) <= sums * allowed);
   });
   CHECK(held);
 }
@@ -101,9 +108,10 @@ TEST(ContactProperties, AMirroredContactIsTheMirrorImageToTheLastBit) {
     const ContactCoefficients c = any_coefficients();
     ContactCoefficients mirrored = c;
     mirrored.gravity_along_mps2 *= -1.0;
-    const auto one = simulate(kPropertiesBall, touchdown, c);
-    const auto other =
-        simulate(kPropertiesBall, {-touchdown.vx_mps, touchdown.vy_mps, -touchdown.omega_radps}, mirrored);
+    const ContactOptions options{.method = any_accurate_method()};
+    const auto one = simulate(kPropertiesBall, touchdown, c, options);
+    const auto other = simulate(
+        kPropertiesBall, {-touchdown.vx_mps, touchdown.vy_mps, -touchdown.omega_radps}, mirrored, options);
     RC_ASSERT(one.has_value() && other.has_value());
     RC_ASSERT(one->lift_off.vx_mps == -other->lift_off.vx_mps);
     RC_ASSERT(one->lift_off.vy_mps == other->lift_off.vy_mps);
@@ -122,7 +130,8 @@ TEST(ContactProperties, EveryContactEndsAfterItsDwellTimeWithFewSteps) {
     ContactCoefficients c = any_coefficients();
     // Far below |vy| the offset is dry friction, as stiff as it is dry.
     c.offset_reference_mps = std::max(c.offset_reference_mps, 1.0);
-    const auto s = simulate(kPropertiesBall, touchdown, c, {.tolerance = 1e-9});
+    const auto s =
+        simulate(kPropertiesBall, touchdown, c, {.method = any_accurate_method(), .tolerance = 1e-9});
     RC_ASSERT(s.has_value());
     RC_ASSERT(std::abs(s->dwell_s / c.dwell_s - 1.0) < 1e-8);
     RC_ASSERT(std::abs(s->lift_off.vy_mps / (-c.e * touchdown.vy_mps) - 1.0) < 1e-9 / c.e);

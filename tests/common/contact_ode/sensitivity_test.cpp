@@ -45,7 +45,8 @@ struct SensitivityCase {
     return *got;
   }
   std::array<double, impact::kContactOutputs> lift_off() const {
-    const auto s = impact::lift_off(ball, contact.touchdown, contact.coefficients, {.tolerance = 1e-12});
+    const auto s = impact::lift_off(ball, contact.touchdown, contact.coefficients,
+                                    {.method = impact::ContactMethod::dormand_prince, .tolerance = 1e-12});
     CHECK_TEXT(s.has_value(), text_of(contact).c_str());
     return {s->lift_off.vx_mps, s->lift_off.vy_mps,  s->lift_off.omega_radps,
             s->dwell_s,         s->dwell_distance_m, s->rotation_rad};

@@ -54,10 +54,14 @@ std::vector<Refinement> depth_errors(ContactMethod method, int fewest, int most)
   return out;
 }
 
+ContactOptions integrator(double tolerance) {
+  return {.method = ContactMethod::dormand_prince, .tolerance = tolerance};
+}
+
 /// Error of vx at lift-off in units of |vy| over fixed steps, against the adaptive method at its finest.
 std::vector<Refinement> lift_off_errors(ContactMethod method, const ContactCoefficients& c, int fewest,
                                         int most) {
-  const double exact = simulate(kBall, kShot, c, {.tolerance = 1e-12})->lift_off.vx_mps;
+  const double exact = simulate(kBall, kShot, c, integrator(1e-12))->lift_off.vx_mps;
   std::vector<Refinement> out;
   for (int n = fewest; n <= most; n *= 2) {
     const double got = simulate(kBall, kShot, c, {.method = method, .steps = n})->lift_off.vx_mps;
@@ -119,10 +123,10 @@ TEST(ContactConvergence, TheOffsetsFootprintLimitsFixedStepsToThreeHalves) {
 TEST(ContactConvergence, TheAdaptiveMethodKeepsItsOrderThroughEventsAndOffset) {
   for (const double offset : {0.0, 0.15}) {
     const ContactCoefficients c = coefficients(offset);
-    const ContactSummary exact = *simulate(kBall, kShot, c, {.tolerance = 1e-12});
+    const ContactSummary exact = *simulate(kBall, kShot, c, integrator(1e-12));
     std::vector<Refinement> errors;
     for (double tolerance = 1e-4; tolerance > 1e-10; tolerance *= 0.1) {
-      const ContactSummary s = *simulate(kBall, kShot, c, {.tolerance = tolerance});
+      const ContactSummary s = *simulate(kBall, kShot, c, integrator(tolerance));
       const double error =
           std::hypot(s.lift_off.vx_mps - exact.lift_off.vx_mps,
                      kBall.radius_m() * (s.lift_off.omega_radps - exact.lift_off.omega_radps));
@@ -136,7 +140,7 @@ TEST(ContactConvergence, TheAdaptiveMethodKeepsItsOrderThroughEventsAndOffset) {
 // Two methods that share no step agree to what rounding leaves of either.
 TEST(ContactConvergence, MethodsMeetAtRounding) {
   const ContactCoefficients c = coefficients(0.0);
-  const ContactSummary a = *simulate(kBall, kShot, c, {.tolerance = 1e-12});
+  const ContactSummary a = *simulate(kBall, kShot, c, integrator(1e-12));
   const ContactSummary b = *simulate(kBall, kShot, c, {.method = ContactMethod::rk4, .steps = 8192});
   DOUBLES_EQUAL(a.lift_off.vx_mps, b.lift_off.vx_mps, 1e-12 * 8.0);
   DOUBLES_EQUAL(a.dwell_s, b.dwell_s, 1e-12 * a.dwell_s);
@@ -201,7 +205,7 @@ TEST(ContactConvergence, EulersAngularMomentumErrsToFirstOrderWithAnOffset) {
 
 // Not only at the end: at every instant of the course, between steps and at events.
 TEST(ContactConvergence, AngularMomentumHoldsAllAlongTheCourse) {
-  const auto contact = ContactTrajectory::make(kBall, kShot, coefficients(0.0), {.tolerance = 1e-6});
+  const auto contact = ContactTrajectory::make(kBall, kShot, coefficients(0.0), integrator(1e-6));
   for (int i = 0; i <= 500; ++i) {
     const ContactState z = contact->at(contact->summary().dwell_s * i / 500.0);
     DOUBLES_EQUAL(kBall.alpha * kBall.radius_m() * kShot.omega_radps - kShot.vx_mps,

@@ -61,7 +61,10 @@ impact::Motion exact(const PredictInput& in) {
   c.mu = *in.mu;
   c.dwell_s = in.dwell_time_ms / 1e3;
   const ball::Ball ball{.diameter_m = in.diameter_m, .mass_kg = in.mass_kg, .alpha = *in.alpha};
-  return impact::simulate(ball, in.touchdown, c, {.tolerance = 1e-12}).value().lift_off;
+  return impact::simulate(ball, in.touchdown, c,
+                          {.method = impact::ContactMethod::dormand_prince, .tolerance = 1e-12})
+      .value()
+      .lift_off;
 }
 
 double error_of(const ImpactChoice& choice) {

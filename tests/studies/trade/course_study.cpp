@@ -29,6 +29,10 @@ struct Place {
 };
 using Course = std::array<Place, kFractions.size()>;
 
+impact::ContactOptions integrator(double tolerance) {
+  return {.method = impact::ContactMethod::dormand_prince, .tolerance = tolerance};
+}
+
 struct KnownCourse {
   ImpactScene scene;
   Course course{};
@@ -85,7 +89,7 @@ double difference(const ImpactScene& s, const Course& got, const Course& want) {
 
 std::vector<KnownCourse> known(const std::vector<ImpactScene>& scenes) {
   std::vector<KnownCourse> all;
-  for (const ImpactScene& s : scenes) all.push_back({s, by_ode(s, {.tolerance = kTightest})});
+  for (const ImpactScene& s : scenes) all.push_back({s, by_ode(s, integrator(kTightest))});
   return all;
 }
 
@@ -149,7 +153,7 @@ Study course_study(const Effort& effort) {
   for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10}) {
     if (effort.quick && tolerance != 1e-3 && tolerance != 1e-6) continue;
     add("ode", fmt::format("tolerance={}", tolerance), Source::numerical,
-        [=](const ImpactScene& s) { return by_ode(s, {.tolerance = tolerance}); });
+        [=](const ImpactScene& s) { return by_ode(s, integrator(tolerance)); });
   }
   return study;
 }

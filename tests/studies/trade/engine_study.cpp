@@ -181,7 +181,8 @@ void add_own(Study& study, std::vector<ImpactScene> practical, std::vector<Impac
   for (const int steps : {10, 20, 50})
     add("ode_rk4", fmt::format("steps={}", steps), {.method = impact::ContactMethod::rk4, .steps = steps});
   for (const double tolerance : {1e-3, 1e-6, 1e-9, 1e-12})
-    add("ode", fmt::format("tolerance={}", tolerance), {.tolerance = tolerance});
+    add("ode", fmt::format("tolerance={}", tolerance),
+        {.method = impact::ContactMethod::dormand_prince, .tolerance = tolerance});
 }
 
 }  // namespace

@@ -93,7 +93,8 @@ void add_integrations(Study& study, const Sets& sets, const Effort& effort) {
   };
   for (int power = 3; power <= 12; power += effort.quick ? 3 : 1) {
     const double tolerance = std::stod(fmt::format("1e-{}", power));
-    add("ode", fmt::format("tolerance={}", tolerance), {.tolerance = tolerance});
+    add("ode", fmt::format("tolerance={}", tolerance),
+        {.method = ContactMethod::dormand_prince, .tolerance = tolerance});
   }
   std::vector<int> steps{4, 6, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000};
   if (effort.quick) steps = {20, 200};
