@@ -3,10 +3,13 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/config/files.hpp"
+#include "host/bounces/figure.hpp"
 #include "host/bounces/report.hpp"
 #include "host/commands/command.hpp"
+#include "host/thesis/figures/gnuplot.hpp"
 
 namespace strobe::host {
 
@@ -15,6 +18,7 @@ namespace {
 struct BouncesOptions {
   std::string set;
   std::string data;
+  std::string figure;
   bool json = false;
 };
 
@@ -36,12 +40,20 @@ std::string names_of(const published::Bounces& all) {
   return names;
 }
 
+int draw(const std::vector<bounces::Row>& rows, const std::string& folder) {
+  const auto gnuplot = report::find_gnuplot();
+  if (!gnuplot) return failed(gnuplot.error().message);
+  const auto drawn = report::draw(bounces::spin_figure(rows), folder, *gnuplot);
+  return drawn ? kDone : failed("bounces: " + drawn.error().message);
+}
+
 int run_bounces(const BouncesOptions& options) {
   const auto all = load(options);
   if (!all) return bad_input("bounces: " + all.error().message);
   if (!options.set.empty() && all->set(options.set) == nullptr)
     return bad_input("bounces: no set " + options.set + "; there are " + names_of(*all));
   if (!options.json) std::fputs(kLegend, stdout);
+  std::vector<bounces::Row> drawn;
   for (const published::Set& set : all->sets) {
     if (!options.set.empty() && set.name != options.set) continue;
     const auto rows = bounces::rows_of(*all, set);
@@ -49,8 +61,9 @@ int run_bounces(const BouncesOptions& options) {
     if (!options.json) std::printf("\n%s", bounces::text(set, *rows).c_str());
     for (const bounces::Row& row : *rows)
       if (options.json) std::printf("%s\n", bounces::json(set, row).c_str());
+    drawn.insert(drawn.end(), rows->begin(), rows->end());
   }
-  return kDone;
+  return options.figure.empty() ? kDone : draw(drawn, options.figure);
 }
 
 }  // namespace
@@ -61,10 +74,13 @@ void add_bounces_command(CLI::App& app, int& exit_status) {
       app.add_subcommand("bounces", "Predict the bounces that others have published, and compare.");
   command->add_option("--set", options->set, "Only this set, e.g. cross_2002_table_2");
   command->add_option("--data", options->data, "Folder of data sets (default: the shipped ones)");
+  command->add_option(
+      "--figure", options->figure,
+      "Draw predicted against measured spin into this folder: figure_01, .svg, .png, .gp, .csv");
   command->add_flag("--json", options->json, "One JSON object a bounce");
   command->footer(
       "Example: strobe bounces --set cross_2002_table_2\n"
-      "Exit status: 2 for bad usage or data.");
+      "Exit status: 1 if the figure cannot be drawn, 2 for bad usage or data.");
   command->callback([options, &exit_status] { exit_status = run_bounces(*options); });
 }
 

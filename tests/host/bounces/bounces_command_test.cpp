@@ -24,8 +24,7 @@ TEST(BouncesCommand, PrintsTheTableOfTheReadme) {
   LONGS_EQUAL(0, run.status->code);
   CHECK_EQUAL("", run.err);
   const std::string readme = read_text(STROBE_BOUNCES_README);
-  const std::string begin = "<!-- strobe bounces -->\n```\n",
-                    end = "```\n<!-- end of strobe bounces -->\n";
+  const std::string begin = "<!-- strobe bounces -->\n```\n", end = "```\n<!-- end of strobe bounces -->\n";
   const std::size_t first = readme.find(begin), last = readme.find(end);
   CHECK(first != std::string::npos && last != std::string::npos);
   CHECK_EQUAL(run.out, readme.substr(first + begin.size(), last - first - begin.size()));
@@ -82,4 +81,11 @@ TEST(BouncesCommand, ReadsAFolderOfOnesOwnAndSaysWhatIsWrongInIt) {
   LONGS_EQUAL(2, run.status->code);
   CHECK_EQUAL("strobe: bounces: " + (folder / "mine.csv").string() + ":2: vy_td_mps: must be negative\n",
               run.err);
+}
+
+TEST(BouncesCommand, DrawsPredictedAgainstMeasuredSpin) {
+  const TemporaryFolder folder;
+  LONGS_EQUAL(0, bounces({"--figure", (folder / "out").string()}).status->code);
+  for (const char* kind : {"svg", "png", "gp", "csv"})
+    CHECK_TEXT(!read_text(folder / "out" / (std::string("figure_01.") + kind)).empty(), kind);
 }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "host/bounces/balance.hpp"
+#include "host/bounces/figure.hpp"
 #include "host/bounces/report.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -192,4 +193,21 @@ TEST(PublishedAgreement, IsTheRootMeanSquareOfWhatIsPredicted) {
   double square = 0.0;
   for (const Row& row : *rows) square += std::pow(row.predictions[0].residual.omega_radps.value, 2);
   DOUBLES_EQUAL(std::sqrt(square / 6.0), rigid.omega_rms_radps, 1e-12);
+}
+
+TEST(PublishedAgreement, TheFigureHoldsEveryBounceOfItsKindOfBall) {
+  std::vector<Row> rows;
+  for (const char* set : {"cross_2002_table_2", "cross_2010"}) {
+    const auto of_set = rows_of(shipped(), *shipped().set(set));
+    CHECK(of_set.has_value());
+    rows.insert(rows.end(), of_set->begin(), of_set->end());
+  }
+  const report::Figure figure = spin_figure(rows);
+  LONGS_EQUAL(2, figure.panels.size());
+  const auto& tennis = figure.panels[0].series;
+  LONGS_EQUAL(1 + 4, tennis.size());  // the line of agreement, then the models
+  LONGS_EQUAL(6, tennis[1].points.size());
+  LONGS_EQUAL(8, figure.panels[1].series[4].points.size());
+  DOUBLES_EQUAL(34.9, tennis[1].points[0].x, 0.0);
+  DOUBLES_EQUAL(-rows[0].predictions[0].lift_off.omega_radps, tennis[1].points[0].y, 0.0);
 }
