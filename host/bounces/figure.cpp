@@ -44,10 +44,15 @@ report::Figure spin_figure(const std::vector<Row>& rows) {
   report::Figure figure{.number = 1,
                         .title = "Spin after the bounces that others have published",
                         .caption = "Predicted before anything is fitted; models as in strobe bounces.",
-                        .columns = 2,
                         .legend_columns = 5};
-  figure.panels.push_back(panel_of(rows, published::Build::shell, "tennis ball", true));
-  figure.panels.push_back(panel_of(rows, published::Build::solid, "solid balls", false));
+  const auto add_panel = [&](published::Build build, const char* title) {
+    const auto of_build = [build](const Row& row) { return row.bounce.ball.build == build; };
+    if (std::ranges::any_of(rows, of_build))
+      figure.panels.push_back(panel_of(rows, build, title, figure.panels.empty()));
+  };
+  add_panel(published::Build::shell, "tennis ball");
+  add_panel(published::Build::solid, "solid balls");
+  figure.columns = static_cast<int>(figure.panels.size());
   return figure;
 }
 

@@ -8,8 +8,8 @@
 
 namespace strobe::bounces {
 
-/// A panel for tennis balls, one for solid balls; a series for each model, besides the line on which predicted is
-/// measured. Topspin upward.
+/// A panel for tennis balls, one for solid balls, where there are any; a series for each model, besides the line on which predicted is
+/// measured. Topspin counts positive.
 report::Figure spin_figure(const std::vector<Row>& rows);
 
 }  // namespace strobe::bounces

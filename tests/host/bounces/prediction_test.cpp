@@ -208,6 +208,7 @@ TEST(PublishedAgreement, TheFigureHoldsEveryBounceOfItsKindOfBall) {
   LONGS_EQUAL(1 + 4, tennis.size());  // the line of agreement, then the models
   LONGS_EQUAL(6, tennis[1].points.size());
   LONGS_EQUAL(8, figure.panels[1].series[4].points.size());
+  LONGS_EQUAL(1, spin_figure({rows.front()}).panels.size());  // no panel without points
   DOUBLES_EQUAL(34.9, tennis[1].points[0].x, 0.0);
   DOUBLES_EQUAL(-rows[0].predictions[0].lift_off.omega_radps, tennis[1].points[0].y, 0.0);
 }
