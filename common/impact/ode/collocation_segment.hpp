@@ -16,7 +16,7 @@
 
 namespace strobe::impact::detail {
 
-inline constexpr std::size_t kMaxNodes = 12;
+inline constexpr std::size_t kMaxNodes = 13;
 inline constexpr std::size_t kMaxSegments = 40;
 
 /// As changes since touchdown.
@@ -112,7 +112,7 @@ struct Segment {
   NormalState from;
   TangentialState start;
   std::size_t nodes = 0;
-  /// Legendre coefficients of D' along the segment, per share of it; gripping, of exp(b·t)·C·D' and exp(b·t)·S·D'.
+  /// Legendre coefficients of D' along the segment, per share of it; gripping, of exp(2bt)·W·D' and exp(2bt)·S·D'.
   std::array<double, kMaxNodes> couple, cosine, sine;
   std::array<NodeSample, kMaxNodes> samples;
 };
@@ -126,12 +126,11 @@ struct Grip {
 
 inline Grip grip_at(const CollocationConstants& c, const TangentialState& start, double fade,
                     const Oscillation& o, double cosine_integral, double sine_integral) {
-  const double stretch = start.stretch - c.rest;
-  const double first = stretch - sine_integral / c.system.alpha;
-  const double second = (start.slip + c.b * stretch) + cosine_integral / c.system.alpha;
-  const double cosine = fade * o.cosine, sine = fade * o.sine;
-  return {c.rest + (first * cosine + second * sine),
-          second * (cosine - c.b * sine) - first * (c.b * cosine + c.omega2 * sine)};
+  const double first = (start.stretch - c.rest) - sine_integral / c.system.alpha;
+  const double second = start.slip + cosine_integral / c.system.alpha;
+  const double sine = fade * o.sine, rate = fade * (o.cosine - c.b * o.sine);
+  return {c.rest + (first * (rate + 2.0 * c.b * sine) + second * sine),
+          second * rate - first * (c.beta * c.system.kt * sine)};
 }
 
 struct SegmentPoint {

@@ -6,7 +6,7 @@ namespace strobe::impact::detail {
 
 namespace {
 
-template <std::size_t n>
+template <std::size_t n, std::size_t terms>
 class Collocation {
  public:
   Collocation(const CollocationConstants& constants, double tolerance, bool along, Segments* stored,
@@ -53,7 +53,7 @@ class Collocation {
   static constexpr double kMaxGrowth = 4.0;
   /// Decay, within a segment, of what the stretch of a slip began with: Gauss's rule of n nodes integrates its square
   /// to 1e-10 with 8 nodes and 1e-14 with 12.
-  static constexpr double kMaxDecay = n == 8 ? 3.0 : 5.0;
+  static constexpr double kMaxDecay = n <= 8 ? 3.0 : 5.0;
 
   /// Where the depth passes the radius, up and down: the footprint's law changes.
   std::array<double, 2> full_footprint() const {
@@ -102,7 +102,7 @@ class Collocation {
     return solver_.solve(segment_, to_, persist);
   }
 
-  void sample() { law_.sample(segment_, solver_, {to_, solver_.end()}, just_switched_); }
+  void sample() { law_.sample(segment_, solver_, just_switched_); }
 
   double guess() const {
     if (mode_ == ContactMode::grips || guessed_) return 2.0;
@@ -120,8 +120,9 @@ class Collocation {
     for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
       if (to < limit && to - x_ < 1e-6) return false;
       const bool converged = solve_to(to);
-      const double error = error_of_segment() / allowed_;
-      if ((!converged && error <= 1.0) || (converged && !spin_resolved())) {
+      const Spins spins = spins_of_segment();
+      const double error = error_of_segment(spins) / allowed_;
+      if ((!converged && error <= 1.0) || (converged && !spin_resolved(spins))) {
         to = x_ + 0.5 * (to - x_);
         continue;
       }
@@ -137,7 +138,32 @@ class Collocation {
         continue;
       }
       const std::optional<double> event = law_.find_event();
-      return event ? switch_near(x_ + (to - x_) * *event) : advance(to, false);
+      if (!event) {
+        end_ = solver_.end();
+        return advance(to, false);
+      }
+      if (!stored_ && solver_.error_inside() <= allowed_ && switch_inside(*event)) return true;
+      return switch_near(x_ + (to - x_) * *event);
+    }
+    return false;
+  }
+
+  /// Leaves the segment at the event, by its polynomial.
+  bool switch_inside(double share) {
+    const FrictionLaw law(c_, mode_);
+    for (int i = 0; i < 4; ++i) {
+      if (!(share > 0.0 && share < 1.0)) return false;
+      const SegmentPoint at = solver_.point_at(segment_, share);
+      const double end = law.value(at), rate = law.rate(at);
+      if (!(rate < 0.0)) return false;
+      const double late = end / rate;
+      if (std::abs(0.5 * law.weight() * end * late) <= 0.3 * allowed_) {
+        to_ = at.normal;
+        end_ = at.tangential;
+        event_tau_ = to_.tau - late;
+        return advance(segment_.x + segment_.size * share, true);
+      }
+      share -= late / (segment_.size * c_.normal.pace(segment_.x + segment_.size * share));
     }
     return false;
   }
@@ -151,12 +177,13 @@ class Collocation {
       if (!(x > x_) || x > c_.normal.end() || !solve_to(x, true)) return false;
       sample();
       const double end = law_.at_end();
-      const double rate = law.rate({to_, solver_.end()}, law_.side_at_end());
+      const double rate = law.rate({to_, solver_.end()});
       if (!(rate < 0.0)) return false;
       const double late = end / rate;  // after the event
       const double impulse = std::abs(0.5 * law.weight() * end * late);
       const bool in_time = !stored_ || std::abs(late) <= (0.03 * tolerance_ + 2e-15) * to_.tau;
       if (impulse <= 0.3 * allowed_ && in_time) {
+        end_ = solver_.end();
         event_tau_ = to_.tau - late;
         return advance(x, true);
       }
@@ -167,63 +194,78 @@ class Collocation {
     return false;
   }
 
+  /// Least and largest |w| of a segment's points, 0 where it passes through 0.
+  struct Spins {
+    double least, most, range;
+  };
+  Spins spins_of_segment() const {
+    const double first = c_.spin(at_);
+    double low = first, high = first;
+    for (const double spin : solver_.spin()) {
+      low = std::min(low, spin);
+      high = std::max(high, spin);
+    }
+    const double a = std::abs(low), b = std::abs(high);
+    return {low * high > 0.0 ? std::min(a, b) : 0.0, std::max(a, b), high - low};
+  }
+
   /// Where the spin changes by several times its distance from the couple's poles, at ± i·w0, what they add is small
   /// against the whole and falls off more slowly: then the last coefficients count by themselves.
-  double error_of_segment() const {
+  double error_of_segment(const Spins& w) const {
     const double at_end = solver_.error_at_end();
     if (along_) return std::max(at_end, solver_.error_along());
     if (at_end > allowed_ || s_.delta == 0.0 || s_.ahead != 0.0) return at_end;
-    double least = std::abs(c_.spin(at_)), most = least;
-    for (const double spin : solver_.spin()) {
-      least = spin * c_.spin(at_) < 0.0 ? 0.0 : std::min(least, std::abs(spin));
-      most = std::max(most, std::abs(spin));
-    }
-    const bool by_poles = most > 4.0 * std::hypot(least, s_.w_ref);
+    const bool by_poles = w.most * w.most > 16.0 * (w.least * w.least + s_.w_ref * s_.w_ref);
     return by_poles ? std::max(at_end, solver_.error_along()) : at_end;
   }
 
   /// The offset turns round with the spin within w0 of 0, where the couple has its poles. The Legendre coefficients
   /// see that if the nodes do; none is before the first and after the last of them.
-  bool spin_resolved() const {
+  bool spin_resolved(const Spins& w) const {
     if (s_.delta == 0.0 || s_.ahead != 0.0) return true;
-    const auto resolved = [this](double a, double b, double share) {
+    const double w_ref2 = s_.w_ref * s_.w_ref;
+    if (w.range * w.range <= 0.25 * (w.least * w.least + w_ref2)) return true;
+    const auto resolved = [w_ref2](double a, double b, double share) {
       const double least = a * b < 0.0 ? 0.0 : std::min(std::abs(a), std::abs(b));
-      return std::abs(a - b) <= share * std::sqrt(least * least + s_.w_ref * s_.w_ref);
+      return (a - b) * (a - b) <= share * share * (least * least + w_ref2);
     };
     const auto& spin = solver_.spin();
     for (std::size_t i = 1; i < n; ++i)
       if (!resolved(spin[i - 1], spin[i], 2.0)) return false;
-    return resolved(c_.spin(at_), spin[0], 0.5) && resolved(c_.spin(solver_.end()), spin[n - 1], 0.5);
+    return resolved(c_.spin(at_), spin[0], 0.5) && resolved(spin[n], spin[n - 1], 0.5);
   }
 
   bool advance(double x, bool event) {
-    note_slip_zero();
+    note_slip_zero(x);
     if (stored_) {
       solver_.interpolate(segment_);
       stored_->all[stored_->count++] = segment_;
     }
     if (starts_) starts_->push_back({mode_, x_, from_, at_});
-    switch_law_ = s_.ct > 0.0 ? 2.0 * std::abs(law_.at_end()) : 0.0;
+    const FrictionLaw law(c_, mode_);
+    switch_law_ = event && s_.ct > 0.0 ? 2.0 * std::abs(law.value({to_, end_})) : 0.0;
     x_ = x;
     from_ = to_;
-    at_ = solver_.end();
+    at_ = end_;
     start_attempts_ = 0;
     just_switched_ = event;
     if (!event) return true;
     switches_ += 1;
     const bool gripped = mode_ == ContactMode::grips;
-    mode_ = gripped ? slipping(law_.side_at_end()) : ContactMode::grips;
+    mode_ = gripped ? slipping(law.hold(at_.stretch, at_.slip)) : ContactMode::grips;
     if (s_.ct == 0.0 && gripped) at_.stretch = c_.slipping_stretch(from_, direction(mode_));
     if (!gripped && !out_.first_grip_tau) out_.first_grip_tau = event_tau_;
     return switches_ < kMaxContactEvents / 2;
   }
 
-  void note_slip_zero() {
+  void note_slip_zero(double x) {
     if (out_.slip_zero_tau) return;
     const double first = at_.slip;
     const auto opposite = [first](double slip) { return first > 0.0 ? slip <= 0.0 : slip >= 0.0; };
-    bool found = opposite(solver_.end().slip);
-    for (const double slip : solver_.slip()) found = found || opposite(slip);
+    bool found = opposite(end_.slip);
+    const double share = (x - segment_.x) / segment_.size;
+    for (std::size_t i = 0; i < n && kGaussLegendre<n>.share[i] < share; ++i)
+      found = found || opposite(solver_.slip()[i]);
     if (!found) return;
     out_.slip_zero_tau = to_.tau;
     out_.slip_zero_first = !out_.first_grip_tau;
@@ -236,13 +278,13 @@ class Collocation {
   Segments* stored_;
   std::vector<SegmentStart>* starts_;
   double allowed_;
-  SegmentSolver<n> solver_;
+  SegmentSolver<n, terms> solver_;
   LawAlongSegment<n> law_;
   CollocatedContact out_;
   ContactMode mode_ = ContactMode::grips;
   double x_ = 0.0;
   NormalState from_, to_;
-  TangentialState at_;
+  TangentialState at_, end_;
   Segment segment_;
   std::array<double, 2> full_x_{};
   double switch_law_ = 0.0, event_tau_ = 0.0;
@@ -250,18 +292,18 @@ class Collocation {
   int start_attempts_ = 0, switches_ = 0;
 };
 
-template <std::size_t n>
+template <std::size_t n, std::size_t terms>
 std::optional<CollocatedContact> by_nodes(const CollocationConstants& c, double tolerance, bool along,
                                           Segments* segments, std::vector<SegmentStart>* starts) {
-  return Collocation<n>(c, tolerance, along, segments, starts).run();
+  return Collocation<n, terms>(c, tolerance, along, segments, starts).run();
 }
 
 /// In one segment, which is shorter than one that was solved; in more where that fails nevertheless.
-template <std::size_t n>
+template <std::size_t n, std::size_t terms>
 SegmentPoint point_by_nodes(const CollocationConstants& c, double tolerance, const SegmentStart& start,
                             double tau) {
   constexpr double kShortest = 1e-9;
-  SegmentSolver<n> solver(c, Collocation<n>::allowance(c, tolerance));
+  SegmentSolver<n, terms> solver(c, Collocation<n, terms>::allowance(c, tolerance));
   Segment segment;
   segment.mode = start.mode;
   segment.x = start.x;
@@ -286,26 +328,42 @@ SegmentPoint point_by_nodes(const CollocationConstants& c, double tolerance, con
   return {segment.from, segment.start};
 }
 
-bool few_nodes(double tolerance) { return tolerance > 3e-8; }
+template <std::size_t node_count, std::size_t term_count>
+struct Rule {
+  static constexpr std::size_t nodes = node_count, terms = term_count;
+};
+
+/// What `use` gives with the nodes that suit a tolerance of a segment's end.
+template <typename Use>
+auto by_tolerance(double tolerance, const Use& use) {
+  if (tolerance > 3e-5) return use(Rule<7, 9>{});
+  if (tolerance > 3e-8) return use(Rule<9, 12>{});
+  if (tolerance > 3e-11) return use(Rule<11, 15>{});
+  return use(Rule<13, 17>{});
+}
 
 }  // namespace
 
 std::optional<CollocatedContact> collocate(const CollocationConstants& c, double tolerance, bool along,
                                            Segments* segments) {
-  if (few_nodes(tolerance)) return by_nodes<8>(c, tolerance, along, segments, nullptr);
-  return by_nodes<12>(c, tolerance, along, segments, nullptr);
+  const auto solve = [&](auto rule) {
+    return by_nodes<rule.nodes, rule.terms>(c, tolerance, along, segments, nullptr);
+  };
+  if (!along && !segments) return by_tolerance(tolerance, solve);
+  return tolerance > 3e-8 ? solve(Rule<8, 17>{}) : solve(Rule<12, 17>{});
 }
 
 std::optional<CollocatedContact> collocate(const CollocationConstants& c, double tolerance,
                                            std::vector<SegmentStart>& starts) {
-  if (few_nodes(tolerance)) return by_nodes<8>(c, tolerance, false, nullptr, &starts);
-  return by_nodes<12>(c, tolerance, false, nullptr, &starts);
+  return by_tolerance(tolerance, [&](auto rule) {
+    return by_nodes<rule.nodes, rule.terms>(c, tolerance, false, nullptr, &starts);
+  });
 }
 
 SegmentPoint point_at(const CollocationConstants& c, double tolerance, const SegmentStart& start,
                       double tau) {
-  if (few_nodes(tolerance)) return point_by_nodes<8>(c, tolerance, start, tau);
-  return point_by_nodes<12>(c, tolerance, start, tau);
+  return by_tolerance(
+      tolerance, [&](auto rule) { return point_by_nodes<rule.nodes, rule.terms>(c, tolerance, start, tau); });
 }
 
 }  // namespace strobe::impact::detail

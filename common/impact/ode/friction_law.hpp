@@ -15,20 +15,26 @@ class FrictionLaw {
   FrictionLaw(const CollocationConstants& constants, ContactMode mode)
       : c_(constants), s_(constants.system), mode_(mode) {}
 
+  /// Force that holds the contact point.
+  double hold(double stretch, double slip) const { return s_.kt * stretch + s_.ct * slip; }
   /// Direction of a grip's friction.
-  double side_of(double stretch, double slip) const {
-    return s_.kt * stretch + s_.ct * slip < 0.0 ? -1.0 : 1.0;
-  }
+  static double side_of(double hold) { return hold < 0.0 ? -1.0 : 1.0; }
 
-  double value(double force, double force_rate, double stretch, double slip, double side) const {
-    if (mode_ == ContactMode::grips) return s_.mu * force - side * (s_.kt * stretch + s_.ct * slip);
+  double value(double force, double force_rate, double hold, double slip) const {
+    if (mode_ == ContactMode::grips) return s_.mu * force - std::abs(hold);
     const double sign = direction(mode_);
-    if (s_.ct > 0.0) return sign * (s_.kt * stretch + s_.ct * slip) - s_.mu * force;
+    if (s_.ct > 0.0) return sign * hold - s_.mu * force;
     return sign * slip - s_.mu * force_rate / s_.kt;
+  }
+  double value(const SegmentPoint& at) const {
+    const TangentialState& t = at.tangential;
+    return value(c_.normal.force(at.normal), c_.normal.force_rate(at.normal), hold(t.stretch, t.slip),
+                 t.slip);
   }
 
   /// Its rate.
-  double rate(const SegmentPoint& point, double side) const {
+  double rate(const SegmentPoint& point) const {
+    const double side = side_of(hold(point.tangential.stretch, point.tangential.slip));
     const TangentialRates rates = rates_at(c_, mode_, point);
     const double force = c_.normal.force(point.normal), force_rate = c_.normal.force_rate(point.normal);
     const double hold_rate = s_.kt * rates.stretch + s_.ct * rates.slip;
@@ -64,35 +70,44 @@ class LawAlongSegment {
       : c_(constants), tolerance_(tolerance), enough_(std::min(1e-3, 0.1 * std::sqrt(tolerance))) {}
 
   /// `just_switched`: friction has changed its law at the segment's start.
-  void sample(const Segment& segment, const SegmentSolver<n>& solver, const SegmentPoint& end,
-              bool just_switched) {
+  template <std::size_t terms>
+  void sample(const Segment& segment, const SegmentSolver<n, terms>& solver, bool just_switched) {
     const FrictionLaw law(c_, segment.mode);
     just_switched_ = just_switched;
     grips_ = segment.mode == ContactMode::grips;
-    put(law, 0, 0.0, c_.normal.force(segment.from), c_.normal.force_rate(segment.from), segment.start.stretch,
-        segment.start.slip);
-    if (just_switched) law_[0] = 0.0;
-    const double zeta2 = 2.0 * c_.system.zeta;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double force = solver.force()[i];
-      limit_[i] = c_.system.mu * force;
-      put(law, i + 1, kGaussLegendre<n>.node[i], force,
-          solver.rate()[i] + zeta2 * (c_.system.gravity - force), solver.stretch()[i], solver.slip()[i]);
+    const System& s = c_.system;
+    const NormalMotion& normal = c_.normal;
+    const auto& slip = solver.slip();
+    const auto& stretch = solver.stretch();
+    const auto& force = solver.force();
+    const double start_hold = law.hold(segment.start.stretch, segment.start.slip);
+    start_law_ = just_switched ? 0.0
+                               : law.value(normal.force(segment.from), normal.force_rate(segment.from),
+                                           start_hold, segment.start.slip);
+    const double kt = s.kt, ct = s.ct, mu = s.mu, sign = direction(segment.mode);
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      hold_[i] = kt * stretch[i] + ct * slip[i];
+      limit_[i] = mu * force[i];
     }
-    put(law, n + 1, 1.0, c_.normal.force(end.normal), c_.normal.force_rate(end.normal),
-        end.tangential.stretch, end.tangential.slip);
+    if (grips_) {
+      for (std::size_t i = 0; i < kPoints; ++i) law_[i] = limit_[i] - std::abs(hold_[i]);
+    } else if (ct > 0.0) {
+      for (std::size_t i = 0; i < kPoints; ++i) law_[i] = sign * hold_[i] - limit_[i];
+    } else {
+      for (std::size_t i = 0; i < kPoints; ++i)
+        law_[i] = law.value(force[i], solver.rate()[i] + 2.0 * s.zeta * (s.gravity - force[i]), 0.0, slip[i]);
+    }
     noise_ = law.noise(segment.start, tolerance_);
   }
 
-  double at_end() const { return law_[n + 1]; }
-  double side_at_end() const { return side_[n + 1]; }
+  double at_end() const { return law_[n]; }
 
   /// A mode that has just begun may be broken by as much as the last was not yet when it ended, or was already.
   /// Returns false if it is broken by more before its first node.
   bool accept_start(double switch_law) {
     if (!just_switched_) return true;
-    for (std::size_t i = 1; i < n + 2 && law_[i] < 0.0; ++i) {
-      if (law_[i] < -(noise_ + switch_law)) return i > 1;
+    for (std::size_t i = 0; i <= n && law_[i] < 0.0; ++i) {
+      if (law_[i] < -(noise_ + switch_law)) return i > 0;
       law_[i] = 0.0;
     }
     return true;
@@ -101,31 +116,29 @@ class LawAlongSegment {
   /// The share of the segment where the law is first broken, by the polynomial through its nodes. Returns nullopt if
   /// it holds throughout.
   std::optional<double> find_event() {
-    for (std::size_t i = 1; i < n + 2; ++i) {
+    double before = start_law_;
+    for (std::size_t i = 0; i <= n; ++i) {
       if (law_[i] < -noise_) {
         interpolate_law(i);
-        return root(share_[i - 1], share_[i], std::max(law_[i - 1], 0.0), law_[i]);
+        return root(i == 0 ? 0.0 : share(i - 1), share(i), std::max(before, 0.0), law_[i]);
       }
-      if (i < 2) continue;
-      if (const auto dip = broken_between(i - 2, i - 1, i)) return dip;
+      if (i > 0 && law_[i - 1] < law_[i] && law_[i - 1] < (i > 1 ? law_[i - 2] : start_law_))
+        if (const auto dip = broken_about(i - 1)) return dip;
+      before = law_[i];
     }
     return std::nullopt;
   }
 
  private:
-  void put(const FrictionLaw& law, std::size_t i, double share, double force, double force_rate,
-           double stretch, double slip) {
-    share_[i] = share;
-    side_[i] = law.side_of(stretch, slip);
-    law_[i] = law.value(force, force_rate, stretch, slip, side_[i]);
-  }
+  static constexpr std::size_t kPoints = GaussLegendre<n>::points;
+  static double share(std::size_t i) { return kGaussLegendre<n>.share[i]; }
 
   /// Legendre coefficients of the law, gripping of that for the side to which it may break: |F| has a kink
   /// where the friction turns round.
   void interpolate_law(std::size_t near) {
     std::array<double, n> value;
-    for (std::size_t i = 0; i < n; ++i)
-      value[i] = side_[i + 1] == side_[near] || !grips_ ? law_[i + 1] : 2.0 * limit_[i] - law_[i + 1];
+    const double side = FrictionLaw::side_of(hold_[near]);
+    for (std::size_t i = 0; i < n; ++i) value[i] = grips_ ? limit_[i] - side * hold_[i] : law_[i];
     for (std::size_t k = 0; k < n; ++k) {
       coefficient_[k] = 0.0;
       for (std::size_t i = 0; i < n; ++i) coefficient_[k] += kGaussLegendre<n>.coefficient[k][i] * value[i];
@@ -146,12 +159,11 @@ class LawAlongSegment {
     return coefficient_[0] + t * next - 0.5 * after;
   }
 
-  /// A minimum between three samples, all of which are lawful.
-  std::optional<double> broken_between(std::size_t a, std::size_t b, std::size_t c) {
-    if (!(law_[b] < law_[c]) || !(law_[b] < law_[a])) return std::nullopt;
+  /// The least of three samples, all of which are lawful, is the middle one.
+  std::optional<double> broken_about(std::size_t middle) {
     bool interpolated = false;
-    double x[3] = {share_[a], share_[b], share_[c]};
-    double f[3] = {law_[a], law_[b], law_[c]};
+    double x[3] = {middle > 0 ? share(middle - 1) : 0.0, share(middle), share(middle + 1)};
+    double f[3] = {middle > 0 ? law_[middle - 1] : start_law_, law_[middle], law_[middle + 1]};
     for (int round = 0; round < 4; ++round) {
       const double left = (f[1] - f[0]) / (x[1] - x[0]), right = (f[2] - f[1]) / (x[2] - x[1]);
       const double bend = (right - left) / (x[2] - x[0]);
@@ -161,7 +173,7 @@ class LawAlongSegment {
       const double fall = bend * (least - x[1]) * (least - x[1]);
       // A dip that does not come near the law is none.
       if (f[1] - 16.0 * fall > 0.5 * std::min(f[0], f[2])) return std::nullopt;
-      if (!interpolated) interpolate_law(b);
+      if (!interpolated) interpolate_law(middle);
       interpolated = true;
       const double value = law_on(least);
       const bool after = least > x[1];
@@ -205,9 +217,9 @@ class LawAlongSegment {
 
   const CollocationConstants& c_;
   double tolerance_, enough_;
-  std::array<double, n + 2> law_, share_, side_;
-  std::array<double, n> limit_, coefficient_;
-  double noise_ = 0.0;
+  alignas(16) typename GaussLegendre<n>::Points law_, hold_, limit_;
+  std::array<double, n> coefficient_;
+  double start_law_ = 0.0, noise_ = 0.0;
   bool just_switched_ = false, grips_ = false;
 };
 

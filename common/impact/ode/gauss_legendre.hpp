@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstring>
 
 namespace strobe::impact::detail {
 
@@ -30,13 +31,20 @@ constexpr LegendreValues<n> legendre(long double t) {
 
 template <std::size_t n>
 struct GaussLegendre {
+  /// The nodes, the end, and where that makes an odd number the end again: even for instructions that take two.
+  static constexpr std::size_t points = (n + 2) / 2 * 2;
   using Row = std::array<double, n>;
-  alignas(16) Row node{};
-  alignas(16) Row weight{};
-  /// integral[j][i]: what the value at node j adds to the integral from 0 to node i.
-  alignas(16) std::array<Row, n> integral{};
-  /// coefficient[k][j]: what the value at node j adds to the coefficient of P_k(2c - 1).
-  alignas(16) std::array<Row, n> coefficient{};
+  using Points = std::array<double, points>;
+  Row node{};
+  Row weight{};
+  /// Nodes, then 1.
+  alignas(16) Points share{};
+  /// integral[j][i]: what the value at node j adds to the integral from 0 to point i.
+  alignas(16) std::array<Points, n> integral{};
+  /// last[j][k]: coefficient[n - 4 + k][j].
+  alignas(16) std::array<std::array<double, 4>, n> last{};
+  /// coefficient[k][j]: what the value at node j adds to the coefficient of P_k(2c - 1); 0 beyond the nodes.
+  alignas(16) std::array<Points, n> coefficient{};
 
   constexpr GaussLegendre() {
     std::array<LegendreValues<n + 1>, n> at{};
@@ -49,6 +57,7 @@ struct GaussLegendre {
       node[i] = static_cast<double>(0.5L * (1.0L + t));
       weight[i] = static_cast<double>(weights[i]);
     }
+    for (std::size_t i = 0; i < points; ++i) share[i] = i < n ? node[i] : 1.0;
     for (std::size_t j = 0; j < n; ++j) {
       for (std::size_t k = 0; k < n; ++k)
         coefficient[k][j] =
@@ -58,6 +67,8 @@ struct GaussLegendre {
         for (std::size_t k = 1; k < n; ++k) sum += 0.5L * at[j].p[k] * (at[i].p[k + 1] - at[i].p[k - 1]);
         integral[j][i] = static_cast<double>(weights[j] * sum);
       }
+      for (std::size_t i = n; i < points; ++i) integral[j][i] = static_cast<double>(weights[j]);
+      for (std::size_t k = 0; k < 4; ++k) last[j][k] = coefficient[n - 4 + k][j];
     }
   }
 
@@ -82,5 +93,77 @@ struct GaussLegendre {
 
 template <std::size_t n>
 inline constexpr GaussLegendre<n> kGaussLegendre{};
+
+/// P_(k+1) = up·t·P_k - down·P_(k-1); the integral of P_k over a share of 0…1 is integral·(P_(k+1) - P_(k-1)).
+template <std::size_t n>
+struct LegendreRecurrence {
+  std::array<double, n> up{}, down{}, integral{};
+  constexpr LegendreRecurrence() {
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto degree = static_cast<double>(k);
+      up[k] = (2.0 * degree + 1.0) / (degree + 1.0);
+      down[k] = degree / (degree + 1.0);
+      integral[k] = 0.5 / (2.0 * degree + 1.0);
+    }
+  }
+};
+
+template <std::size_t n>
+inline constexpr LegendreRecurrence<n> kRecurrence{};
+
+/// Two numbers that one instruction of every processor that runs this takes at once; the order of sums is fixed.
+using Pair = double __attribute__((vector_size(16)));
+
+inline Pair pair_at(const double* from) {
+  Pair out;
+  std::memcpy(&out, from, sizeof out);
+  return out;
+}
+
+/// The integrals from 0 to each point of the polynomial that has these values at the nodes.
+template <std::size_t n>
+inline void integrate_nodes(const typename GaussLegendre<n>::Points& value,
+                            typename GaussLegendre<n>::Points& integral) {
+  constexpr const GaussLegendre<n>& rule = kGaussLegendre<n>;
+  constexpr std::size_t pairs = GaussLegendre<n>::points / 2;
+  Pair sum[pairs] = {};
+  for (std::size_t j = 0; j < n; ++j) {
+    const Pair both{value[j], value[j]};
+    for (std::size_t i = 0; i < pairs; ++i) sum[i] += pair_at(&rule.integral[j][2 * i]) * both;
+  }
+  for (std::size_t i = 0; i < pairs; ++i) std::memcpy(&integral[2 * i], &sum[i], sizeof sum[i]);
+}
+
+/// What each node's value adds to the integral from 0 to `share`.
+template <std::size_t n>
+inline void integral_weights(double share, typename GaussLegendre<n>::Points& weights) {
+  constexpr const GaussLegendre<n>& rule = kGaussLegendre<n>;
+  constexpr std::size_t pairs = GaussLegendre<n>::points / 2;
+  const double t = 2.0 * share - 1.0;
+  Pair sum[pairs];
+  for (std::size_t i = 0; i < pairs; ++i) sum[i] = pair_at(&rule.coefficient[0][2 * i]) * share;
+  double before = 1.0, at = t;
+  for (std::size_t k = 1; k < n; ++k) {
+    const double next = kRecurrence<n>.up[k] * (t * at) - kRecurrence<n>.down[k] * before;
+    const double integral = kRecurrence<n>.integral[k] * (next - before);
+    for (std::size_t i = 0; i < pairs; ++i) sum[i] += pair_at(&rule.coefficient[k][2 * i]) * integral;
+    before = at;
+    at = next;
+  }
+  for (std::size_t i = 0; i < pairs; ++i) std::memcpy(&weights[2 * i], &sum[i], sizeof sum[i]);
+}
+
+/// Its coefficients of P_(n-4) to P_(n-1).
+template <std::size_t n>
+inline std::array<double, 4> last_coefficients(const typename GaussLegendre<n>::Points& value) {
+  constexpr const GaussLegendre<n>& rule = kGaussLegendre<n>;
+  Pair low{}, high{};
+  for (std::size_t j = 0; j < n; ++j) {
+    const Pair both{value[j], value[j]};
+    low += pair_at(&rule.last[j][0]) * both;
+    high += pair_at(&rule.last[j][2]) * both;
+  }
+  return {low[0], low[1], high[0], high[1]};
+}
 
 }  // namespace strobe::impact::detail

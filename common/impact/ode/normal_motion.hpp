@@ -25,8 +25,8 @@ class NormalMotion {
 
   double release_tau() const { return release_; }
   double end() const { return end_; }  ///< x at release
-  double tau(double x) const { return smooth_ ? span_ * x * x * (3.0 - 2.0 * x) : span_ * x * x; }
-  double pace(double x) const { return smooth_ ? 6.0 * span_ * x * (1.0 - x) : 2.0 * span_ * x; }
+  double tau(double x) const { return x * x * (square_ - cube_ * x); }
+  double pace(double x) const { return x * (2.0 * square_ - 3.0 * cube_ * x); }
   double x_of(double tau) const;
 
   NormalState at(double tau) const {
@@ -79,6 +79,7 @@ class NormalMotion {
   double omega2_ = 1.0;
   double release_ = 0.0;
   double span_ = 0.0;
+  double square_ = 0.0, cube_ = 0.0;  ///< of x in tau
   double end_ = 1.0;
   bool smooth_ = false;
   bool by_series_ = false;  ///< oscillation_series() holds to release

@@ -343,12 +343,9 @@ Partials VariationalEquations::stretch_rate_of(ContactMode mode, const SegmentPo
 
 void VariationalEquations::change_law(const Segment& segment, const SegmentPoint& end, ContactMode next) {
   const FrictionLaw law(c_, segment.mode);
-  const double side = law.side_of(end.tangential.stretch, end.tangential.slip);
-  const double rate = law.rate(end, side);
+  const double rate = law.rate(end);
   if (!(rate < 0.0)) return;
-  const double late = law.value(c_.normal.force(end.normal), c_.normal.force_rate(end.normal),
-                                end.tangential.stretch, end.tangential.slip, side) /
-                      rate;
+  const double late = law.value(end) / rate;
   const NormalPartials by = normal_partials(s_, end.normal);
   const Partials old_friction = friction_of(segment.mode, end, by), friction = friction_of(next, end, by);
   const Partials old_rate = stretch_rate_of(segment.mode, end, by, old_friction);

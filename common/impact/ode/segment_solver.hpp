@@ -3,19 +3,21 @@
 // Pure, no allocation: thread-safe, real-time safe.
 #pragma once
 
-#include "common/impact/ode/collocation_segment.hpp"
+#include "common/impact/ode/segment_nodes.hpp"
 
 namespace strobe::impact::detail {
 
-template <std::size_t n>
+template <std::size_t n, std::size_t terms = 17>
 class SegmentSolver {
  public:
+  using Nodes = SegmentNodes<n, terms>;
   using Row = std::array<double, n>;
-  /// The nodes, the end, and one more so that their number is even.
-  using Points = std::array<double, n + 2>;
+  /// The nodes, then the end.
+  using Points = typename Nodes::Points;
 
   /// `allowed`: error of D.
-  SegmentSolver(const CollocationConstants& constants, double allowed) : c_(constants), allowed_(allowed) {}
+  SegmentSolver(const CollocationConstants& constants, double allowed)
+      : c_(constants), allowed_(allowed), nodes_(constants) {}
 
   /// Solves the segment from its x, size, mode, from, start to `to`, its end. Returns false if the iteration does
   /// not converge; unless told to persist, also if its first values are resolved kHopeless times less than allowed.
@@ -30,278 +32,280 @@ class SegmentSolver {
   /// Of D between the nodes: e itself.
   double error_along() const { return last_; }
 
+  /// Of D between the nodes of a segment that is left where its friction changes: the polynomial's first term
+  /// that is not seen, P_n, and its integral.
+  double error_inside() const { return 0.25 * last_ * std::sqrt(local_fall_) / static_cast<double>(n); }
+
+  /// The state at a share of the segment by the polynomial.
+  SegmentPoint point_at(const Segment& segment, double share) const;
+
   /// Fills the segment's coefficients, for point_on(), and its samples.
   void interpolate(Segment& segment) const;
 
   const TangentialState& end() const { return end_; }
-  const Row& slip() const { return slip_; }
-  const Row& stretch() const { return stretch_; }
-  const Row& force() const { return force_; }
-  const Points& rate() const { return rate_; }
-  const Row& spin() const { return spin_; }
-  const Row& pace() const { return pace_; }
-  const Row& couple_rate() const { return value_; }  ///< times pace
+  const Points& slip() const { return slip_; }
+  const Points& stretch() const { return stretch_; }
+  const Points& spin() const { return spin_; }
+  const Points& force() const { return nodes_.force; }
+  const Points& rate() const { return nodes_.rate; }
   int sweeps() const { return sweeps_; }
 
  private:
   static constexpr int kMaxSweeps = 14;
   static constexpr double kHopeless = 10.0;
+  static constexpr std::size_t kPoints = Nodes::kPoints;
   static constexpr const GaussLegendre<n>& kRule = kGaussLegendre<n>;
 
-  void place_nodes(const Segment& segment, NormalState& to);
-  void place_grip(const Segment& segment);
-  void slip_stretches(const Segment& segment);
-  void evaluate(const Segment& segment);
-  bool iterate(const Segment& segment, bool persist);
+  bool iterate(bool persist);
+  double first_values();
+  void values();
+  double integrate();
+  void spins();
   void finish(const Segment& segment, const NormalState& to);
-  void estimate(bool grips);
+  TangentialState state_of(const Segment& segment, const NormalState& to, double couple,
+                           double couple_integral, double slip, double stretch,
+                           double slipping_friction) const;
+  void estimate();
+  void estimate_of_couple();
 
-  static void integrate(const Row& value, Row& sum) {
-    alignas(16) Row local{};
-    for (std::size_t j = 0; j < n; ++j)
-      for (std::size_t i = 0; i < n; ++i) local[i] += kRule.integral[j][i] * value[j];
-    sum = local;
+  /// The larger of the last two Legendre coefficients of `value`, and of the two before.
+  struct Tail {
+    double last, before;
+  };
+  static Tail tail_of(const Points& value) {
+    const std::array<double, 4> sum = last_coefficients<n>(value);
+    return {std::max(std::abs(sum[3]), std::abs(sum[2])), std::max(std::abs(sum[1]), std::abs(sum[0]))};
   }
-  static double weighted(const Row& value) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < n; ++i) sum += kRule.weight[i] * value[i];
-    return sum;
-  }
-  static double coefficient(std::size_t k, const Row& value) {
+  static double coefficient(std::size_t k, const Points& value) {
     double sum = 0.0;
     for (std::size_t i = 0; i < n; ++i) sum += kRule.coefficient[k][i] * value[i];
     return sum;
   }
-  static double largest(const Row& value) {
-    double most = 0.0;
-    for (const double v : value) most = std::max(most, std::abs(v));
-    return most;
-  }
 
   const CollocationConstants& c_;
   double allowed_;
+  bool grips_ = false;
   int sweeps_ = 0;
   double last_ = 0.0, largest_ = 0.0, local_fall_ = 1.0;
   TangentialState end_;
-  // Functions of time alone.
-  alignas(16) Points tau_, depth_, rate_;
-  alignas(16) Row pace_, force_, gain_;
-  alignas(16) Row base_;       // slipping: friction's impulse
-  alignas(16) Row free_slip_;  // gripping: without friction and couple
-  alignas(16) Row couple_, value_, spin_, slip_, stretch_;
-  // Gripping: weights of the two integrals, and the solutions.
-  alignas(16) Points fade_, grip_cosine_, grip_sine_;
-  alignas(16) Row to_cosine_, to_sine_, of_second_, of_first_;
-  alignas(16) Row cosine_, sine_;
+  Nodes nodes_;
+  /// Along the segment: D's rate, and what the integrals are since its start.
+  alignas(16) Points value_, couple_, cosine_, sine_;
+  alignas(16) Points spin_, slip_, stretch_;
 };
 
-template <std::size_t n>
-void SegmentSolver<n>::place_nodes(const Segment& segment, NormalState& to) {
-  const NormalMotion& normal = c_.normal;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double x = segment.x + segment.size * kRule.node[i];
-    tau_[i] = normal.tau(x);
-    pace_[i] = segment.size * normal.pace(x);
-  }
-  tau_[n] = tau_[n + 1] = to.tau;
-  normal.along(tau_, depth_, rate_);
-  to.depth = depth_[n];
-  to.rate = rate_[n];
-  const double zeta2 = 2.0 * c_.system.zeta;
-  const double per_radius = 1.0 / c_.system.radius;
-  const double delta = c_.system.delta;
-  for (std::size_t i = 0; i < n; ++i) {
-    force_[i] = depth_[i] + zeta2 * rate_[i];
-    const double share = std::min(std::max(depth_[i] * per_radius, 0.0), 1.0);
-    gain_[i] = delta * std::sqrt(share * (2.0 - share)) * (force_[i] * pace_[i]);
-  }
+template <std::size_t n, std::size_t terms>
+bool SegmentSolver<n, terms>::solve(const Segment& segment, NormalState& to, bool persist) {
+  grips_ = segment.mode == ContactMode::grips;
+  nodes_.place(segment, to);
+  if (!iterate(persist)) return false;
+  finish(segment, to);
+  return true;
 }
 
-template <std::size_t n>
-void SegmentSolver<n>::place_grip(const Segment& segment) {
-  alignas(16) Points elapsed;
-  for (std::size_t i = 0; i < n + 2; ++i) elapsed[i] = tau_[i] - segment.from.tau;
-  const double whole = elapsed[n];
-  oscillation_along(c_.omega2, std::abs(c_.omega2) * whole * whole <= kMaxSeriesPhase2, elapsed, grip_cosine_,
-                    grip_sine_);
-  if (c_.b > 0.0)
-    for (std::size_t i = 0; i <= n; ++i) fade_[i] = std::exp(-c_.b * elapsed[i]);
-  else
-    fade_.fill(1.0);
-  const double b = c_.b, omega2 = c_.omega2;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double grow = 1.0 / fade_[i];
-    to_cosine_[i] = grow * grip_cosine_[i];
-    to_sine_[i] = grow * grip_sine_[i];
-    free_slip_[i] = segment.start.slip + c_.system.along * elapsed[i];
-    const double cosine = fade_[i] * grip_cosine_[i], sine = fade_[i] * grip_sine_[i];
-    of_second_[i] = cosine - b * sine;
-    of_first_[i] = b * cosine + omega2 * sine;
-  }
-}
-
-/// K·h(w) at the nodes from the couple and the slip there.
-template <std::size_t n>
-void SegmentSolver<n>::evaluate(const Segment& segment) {
-  const double per_alpha = 1.0 / c_.system.alpha;
-  const TangentialState& start = segment.start;
-  if (segment.mode == ContactMode::grips) {
-    const double per_beta = 1.0 / c_.beta;
-    const double first = start.stretch - c_.rest;
-    const double second = start.slip + c_.b * first;
-    const double base = start.friction + start.couple;
-    for (std::size_t i = 0; i < n; ++i) {
-      slip_[i] =
-          (second + per_alpha * cosine_[i]) * of_second_[i] - (first - per_alpha * sine_[i]) * of_first_[i];
-      const double friction = ((slip_[i] - free_slip_[i]) - couple_[i] * per_alpha) * per_beta;
-      spin_[i] = c_.system.w0 + (base + (couple_[i] + friction)) * per_alpha;
-    }
-  } else {
-    const double base = start.couple;
-    for (std::size_t i = 0; i < n; ++i)
-      spin_[i] = c_.system.w0 + (base_[i] + (base + couple_[i])) * per_alpha;
-  }
+/// K·h(w) at the nodes without the couple. Returns by how much a sweep changes it at most, per change of D.
+template <std::size_t n, std::size_t terms>
+double SegmentSolver<n, terms>::first_values() {
+  spin_ = nodes_.free_spin;
   if (c_.system.ahead != 0.0) {
-    for (std::size_t i = 0; i < n; ++i) value_[i] = gain_[i] * c_.system.ahead;
-    return;
+    const double ahead = c_.system.ahead;
+    for (std::size_t i = 0; i < kPoints; ++i) value_[i] = nodes_.gain[i] * ahead;
+    return 0.0;
   }
   const double w_ref2 = c_.system.w_ref * c_.system.w_ref;
-  for (std::size_t i = 0; i < n; ++i)
-    value_[i] = -gain_[i] * (spin_[i] / std::sqrt(spin_[i] * spin_[i] + w_ref2));
+  alignas(16) Points slope;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const double inverse = 1.0 / std::sqrt(spin_[i] * spin_[i] + w_ref2);
+    const double scaled = nodes_.gain[i] * inverse;
+    value_[i] = -scaled * spin_[i];
+    slope[i] = scaled * (w_ref2 * (inverse * inverse));
+  }
+  double sum = 0.0;
+  for (std::size_t i = 0; i < n; ++i) sum += kRule.weight[i] * slope[i];
+  return sum / c_.system.alpha;
 }
 
-template <std::size_t n>
-bool SegmentSolver<n>::iterate(const Segment& segment, bool persist) {
-  const bool grips = segment.mode == ContactMode::grips;
+template <std::size_t n, std::size_t terms>
+void SegmentSolver<n, terms>::values() {
+  if (c_.system.ahead != 0.0) return;
+  const double w_ref2 = c_.system.w_ref * c_.system.w_ref;
+  for (std::size_t i = 0; i < kPoints; ++i)
+    value_[i] = -nodes_.gain[i] * (spin_[i] / std::sqrt(spin_[i] * spin_[i] + w_ref2));
+}
+
+/// The integrals of the values. Returns the change of D.
+template <std::size_t n, std::size_t terms>
+double SegmentSolver<n, terms>::integrate() {
+  alignas(16) Points couple;
+  integrate_nodes<n>(value_, couple);
+  if (grips_) {
+    alignas(16) Points weighted;
+    for (std::size_t i = 0; i < kPoints; ++i) weighted[i] = nodes_.of_cosine[i] * value_[i];
+    integrate_nodes<n>(weighted, cosine_);
+    for (std::size_t i = 0; i < kPoints; ++i) weighted[i] = nodes_.of_sine[i] * value_[i];
+    integrate_nodes<n>(weighted, sine_);
+  }
+  double change = 0.0;
+  for (std::size_t i = 0; i < kPoints; ++i) change = std::max(change, std::abs(couple[i] - couple_[i]));
+  couple_ = couple;
+  return change;
+}
+
+template <std::size_t n, std::size_t terms>
+void SegmentSolver<n, terms>::spins() {
+  const double per_alpha = 1.0 / c_.system.alpha;
+  if (!grips_) {
+    for (std::size_t i = 0; i < kPoints; ++i) spin_[i] = nodes_.free_spin[i] + couple_[i] * per_alpha;
+    return;
+  }
+  const double whole2 = c_.beta * c_.system.kt;
+  const double of_couple = per_alpha / c_.beta, of_slip = of_couple * per_alpha;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const double slip = nodes_.cosine_rate[i] * cosine_[i] + whole2 * nodes_.sine[i] * sine_[i];
+    spin_[i] = nodes_.free_spin[i] + (of_couple * couple_[i] + of_slip * slip);
+  }
+}
+
+template <std::size_t n, std::size_t terms>
+bool SegmentSolver<n, terms>::iterate(bool persist) {
   couple_.fill(0.0);
   cosine_.fill(0.0);
   sine_.fill(0.0);
-  evaluate(segment);
   sweeps_ = 0;
   last_ = largest_ = 0.0;
-  if (c_.system.delta == 0.0) return true;
-  estimate(grips);
-  if (!persist && error_at_end() > kHopeless * allowed_) return false;
+  if (c_.system.delta == 0.0) {
+    value_.fill(0.0);
+    spin_ = nodes_.free_spin;
+    return true;
+  }
+  double ratio = first_values();
+  if (!persist) {
+    estimate_of_couple();
+    if (error_at_end() > kHopeless * allowed_) return false;
+  }
   double before = 0.0;
   for (sweeps_ = 1; sweeps_ <= kMaxSweeps; ++sweeps_) {
-    alignas(16) Row next;
-    integrate(value_, next);
-    double change = 0.0;
-    for (std::size_t i = 0; i < n; ++i) change = std::max(change, std::abs(next[i] - couple_[i]));
-    couple_ = next;
-    if (grips) {
-      alignas(16) Row weighted_value;
-      for (std::size_t i = 0; i < n; ++i) weighted_value[i] = to_cosine_[i] * value_[i];
-      integrate(weighted_value, cosine_);
-      for (std::size_t i = 0; i < n; ++i) weighted_value[i] = to_sine_[i] * value_[i];
-      integrate(weighted_value, sine_);
+    const double change = integrate();
+    spins();
+    if (sweeps_ > 1) ratio = change / before;
+    // The next change is this one times the ratio at most, and falls off faster.
+    if (change == 0.0 || change * std::min(ratio, 1.0) <= 0.2 * allowed_) {
+      estimate();
+      return true;
     }
-    evaluate(segment);
-    if (change == 0.0) return true;
-    if (sweeps_ < 2) {
-      before = change;
-      continue;
-    }
-    // What is evaluated now is nearer than the change by one factor of the convergence.
-    const double ratio = change / before;
-    if (change * std::min(ratio, 1.0) <= 0.2 * allowed_) return true;
     if (sweeps_ > 3 && ratio > 0.7) return false;
     before = change;
+    values();
   }
   return false;
 }
 
-template <std::size_t n>
-void SegmentSolver<n>::slip_stretches(const Segment& segment) {
-  const double sign = direction(segment.mode);
-  const double limit = sign * c_.system.mu / c_.system.kt;
-  if (c_.kappa == 0.0) {
-    for (std::size_t i = 0; i < n; ++i) stretch_[i] = limit * force_[i];
-    return;
+/// Slip and stretch at the points, and the state at the end.
+template <std::size_t n, std::size_t terms>
+void SegmentSolver<n, terms>::finish(const Segment& segment, const NormalState& to) {
+  const double per_alpha = 1.0 / c_.system.alpha;
+  if (grips_) {
+    const double whole2 = c_.beta * c_.system.kt;
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      slip_[i] = nodes_.free_slip[i] +
+                 per_alpha * (nodes_.cosine_rate[i] * cosine_[i] + whole2 * nodes_.sine[i] * sine_[i]);
+      stretch_[i] =
+          nodes_.free_stretch[i] + per_alpha * (nodes_.sine[i] * cosine_[i] - nodes_.cosine[i] * sine_[i]);
+    }
+  } else {
+    for (std::size_t i = 0; i < kPoints; ++i) slip_[i] = nodes_.free_slip[i] + couple_[i] * per_alpha;
+    stretch_ = nodes_.free_stretch;
   }
-  const double g = c_.system.gravity;
-  const double transient = segment.start.stretch - c_.slipping_stretch(segment.from, sign);
-  for (std::size_t i = 0; i < n; ++i)
-    stretch_[i] = limit * (g + (c_.particular_depth * (depth_[i] - g) + c_.particular_rate * rate_[i])) +
-                  transient * std::exp(-c_.kappa * (tau_[i] - segment.from.tau));
+  double couple_integral = 0.0;
+  for (std::size_t i = 0; i < n; ++i) couple_integral += kRule.weight[i] * nodes_.pace[i] * couple_[i];
+  end_ = state_of(segment, to, couple_[n], couple_integral, slip_[n], stretch_[n], nodes_.friction[n]);
 }
 
-template <std::size_t n>
-void SegmentSolver<n>::finish(const Segment& segment, const NormalState& to) {
+/// From what the couple has done since the segment's start.
+template <std::size_t n, std::size_t terms>
+TangentialState SegmentSolver<n, terms>::state_of(const Segment& segment, const NormalState& to,
+                                                  double couple, double couple_integral, double slip,
+                                                  double stretch, double slipping_friction) const {
   const System& s = c_.system;
   const TangentialState& start = segment.start;
-  const double couple = weighted(value_);
-  const double elapsed = to.tau - segment.from.tau;
-  double couple_integral = 0.0;
-  for (std::size_t i = 0; i < n; ++i) couple_integral += kRule.weight[i] * pace_[i] * couple_[i];
-  end_.couple = start.couple + couple;
+  const double per_alpha = 1.0 / s.alpha, elapsed = to.tau - segment.from.tau;
+  TangentialState out;
   double path = start.friction * elapsed;
-  if (segment.mode == ContactMode::grips) {
-    double cosine = 0.0, sine = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      cosine += kRule.weight[i] * to_cosine_[i] * value_[i];
-      sine += kRule.weight[i] * to_sine_[i] * value_[i];
-    }
-    const Grip grip = grip_at(c_, start, fade_[n], {grip_cosine_[n], grip_sine_[n]}, cosine, sine);
-    end_.slip = grip.slip;
-    end_.stretch = grip.stretch;
-    end_.friction =
-        start.friction + ((grip.slip - (start.slip + s.along * elapsed)) - couple / s.alpha) / c_.beta;
-    path += ((grip.stretch - start.stretch) - (start.slip + 0.5 * s.along * elapsed) * elapsed -
-             couple_integral / s.alpha) /
-            c_.beta;
-    const double per_alpha = 1.0 / s.alpha;
-    const double first = start.stretch - c_.rest;
-    const double second = start.slip + c_.b * first;
-    for (std::size_t i = 0; i < n; ++i)
-      stretch_[i] = c_.rest + fade_[i] * ((first - per_alpha * sine_[i]) * grip_cosine_[i] +
-                                          (second + per_alpha * cosine_[i]) * grip_sine_[i]);
+  if (grips_) {
+    const double per_beta = 1.0 / c_.beta;
+    out.friction =
+        start.friction + ((slip - (start.slip + s.along * elapsed)) - couple * per_alpha) * per_beta;
+    path += ((stretch - start.stretch) - (start.slip + 0.5 * s.along * elapsed) * elapsed -
+             couple_integral * per_alpha) *
+            per_beta;
   } else {
-    const double limit = direction(segment.mode) * s.mu;
-    const double impulse = c_.normal.impulse(segment.from);
-    end_.friction = start.friction - limit * (c_.normal.impulse(to) - impulse);
-    end_.slip =
-        start.slip + (c_.beta * (end_.friction - start.friction) + couple / s.alpha) + s.along * elapsed;
-    end_.stretch = c_.slipping_stretch(to, direction(segment.mode));
-    if (c_.kappa > 0.0)
-      end_.stretch += std::exp(-c_.kappa * elapsed) *
-                      (start.stretch - c_.slipping_stretch(segment.from, direction(segment.mode)));
-    path -= limit *
-            ((c_.normal.impulse_integral(to) - c_.normal.impulse_integral(segment.from)) - impulse * elapsed);
-    const double per_alpha = 1.0 / s.alpha;
-    for (std::size_t i = 0; i < n; ++i)
-      slip_[i] = start.slip + (c_.beta * (base_[i] - start.friction) + couple_[i] * per_alpha) +
-                 s.along * (tau_[i] - segment.from.tau);
-    slip_stretches(segment);
+    out.friction = slipping_friction;
+    path -= direction(segment.mode) * s.mu *
+            ((c_.normal.impulse_integral(to) - c_.normal.impulse_integral(segment.from)) -
+             c_.normal.impulse(segment.from) * elapsed);
   }
-  end_.path = start.path + path;
-  end_.angle = start.angle + (start.couple * elapsed + couple_integral + path) / s.alpha;
+  out.couple = start.couple + couple;
+  out.slip = slip;
+  out.stretch = stretch;
+  out.path = start.path + path;
+  out.angle = start.angle + (start.couple * elapsed + couple_integral + path) * per_alpha;
+  return out;
 }
 
-template <std::size_t n>
-void SegmentSolver<n>::estimate(bool grips) {
-  last_ = std::max(std::abs(coefficient(n - 1, value_)), std::abs(coefficient(n - 2, value_)));
-  largest_ = largest(value_);
-  const double before = std::max(std::abs(coefficient(n - 3, value_)), std::abs(coefficient(n - 4, value_)));
-  local_fall_ = last_ < before ? last_ / before : 1.0;
-  if (!grips || largest_ == 0.0) return;
-  // What an error of the two weighted integrals does to the slip at the end.
-  alignas(16) Row cosine, sine;
+template <std::size_t n, std::size_t terms>
+SegmentPoint SegmentSolver<n, terms>::point_at(const Segment& segment, double share) const {
+  const auto at = nodes_.at(segment, c_.normal.tau(segment.x + segment.size * share));
+  alignas(16) Points weight;
+  integral_weights<n>(share, weight);
+  double couple = 0.0, couple_integral = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
-    cosine[i] = to_cosine_[i] * value_[i];
-    sine[i] = to_sine_[i] * value_[i];
+    const double part = weight[i] * value_[i];
+    couple += part;
+    couple_integral += part * (at.normal.tau - nodes_.tau[i]);
   }
-  const double turned = std::abs(grip_cosine_[n]), sine_at_end = std::abs(grip_sine_[n]);
-  const double of_cosine = fade_[n] * (turned + c_.b * sine_at_end);
-  const double of_sine = fade_[n] * (c_.b * turned + std::abs(c_.omega2) * sine_at_end);
-  const double last =
-      of_cosine * std::max(std::abs(coefficient(n - 1, cosine)), std::abs(coefficient(n - 2, cosine))) +
-      of_sine * std::max(std::abs(coefficient(n - 1, sine)), std::abs(coefficient(n - 2, sine)));
+  double slip = at.slip, stretch = at.stretch;
+  const double per_alpha = 1.0 / c_.system.alpha;
+  if (grips_) {
+    double cosine = 0.0, sine = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double part = weight[i] * value_[i];
+      cosine += part * nodes_.of_cosine[i];
+      sine += part * nodes_.of_sine[i];
+    }
+    slip += per_alpha * (at.cosine_rate * cosine + c_.beta * c_.system.kt * at.sine * sine);
+    stretch += per_alpha * (at.sine * cosine - at.cosine * sine);
+  } else {
+    slip += couple * per_alpha;
+  }
+  return {at.normal, state_of(segment, at.normal, couple, couple_integral, slip, stretch, at.friction)};
+}
+
+template <std::size_t n, std::size_t terms>
+void SegmentSolver<n, terms>::estimate_of_couple() {
+  const Tail tail = tail_of(value_);
+  last_ = tail.last;
+  largest_ = 0.0;
+  for (std::size_t i = 0; i < n; ++i) largest_ = std::max(largest_, std::abs(value_[i]));
+  local_fall_ = tail.last < tail.before ? tail.last / tail.before : 1.0;
+}
+
+template <std::size_t n, std::size_t terms>
+void SegmentSolver<n, terms>::estimate() {
+  estimate_of_couple();
+  if (!grips_ || largest_ == 0.0) return;
+  // What an error of the two weighted integrals does to the slip at the end.
+  alignas(16) Points cosine, sine;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    cosine[i] = nodes_.of_cosine[i] * value_[i];
+    sine[i] = nodes_.of_sine[i] * value_[i];
+  }
+  const double last = std::abs(nodes_.cosine_rate[n]) * tail_of(cosine).last +
+                      std::abs(c_.beta * c_.system.kt * nodes_.sine[n]) * tail_of(sine).last;
   last_ = std::max(last_, last / c_.beta);
 }
 
-template <std::size_t n>
-double SegmentSolver<n>::error_at_end() const {
+template <std::size_t n, std::size_t terms>
+double SegmentSolver<n, terms>::error_at_end() const {
   if (last_ == 0.0) return 0.0;
   const double fall = std::min(1.0, last_ / largest_);
   const double whole = fall * (n <= 8 ? std::sqrt(fall) : std::sqrt(std::sqrt(fall)));
@@ -310,44 +314,26 @@ double SegmentSolver<n>::error_at_end() const {
   return last_ * std::max(whole, local);
 }
 
-template <std::size_t n>
-bool SegmentSolver<n>::solve(const Segment& segment, NormalState& to, bool persist) {
-  place_nodes(segment, to);
-  if (segment.mode == ContactMode::grips) {
-    place_grip(segment);
-  } else {
-    const double limit = direction(segment.mode) * c_.system.mu;
-    const double impulse = c_.normal.impulse(segment.from);
-    for (std::size_t i = 0; i < n; ++i)
-      base_[i] =
-          segment.start.friction - limit * (c_.normal.impulse({tau_[i], depth_[i], rate_[i]}) - impulse);
-  }
-  if (!iterate(segment, persist)) return false;
-  finish(segment, to);
-  estimate(segment.mode == ContactMode::grips);
-  return true;
-}
-
-template <std::size_t n>
-void SegmentSolver<n>::interpolate(Segment& segment) const {
+template <std::size_t n, std::size_t terms>
+void SegmentSolver<n, terms>::interpolate(Segment& segment) const {
   segment.nodes = n;
   const System& s = c_.system;
   for (std::size_t i = 0; i < n; ++i) {
-    const double force_rate = rate_[i] + 2.0 * s.zeta * (s.gravity - force_[i]);
-    segment.samples[i] = {kRule.weight[i] * pace_[i],
-                          force_[i],
-                          force_rate,
-                          pace_[i] > 0.0 ? value_[i] / pace_[i] : 0.0,
+    const double pace = nodes_.pace[i], force = nodes_.force[i];
+    segment.samples[i] = {kRule.weight[i] * pace,
+                          force,
+                          nodes_.rate[i] + 2.0 * s.zeta * (s.gravity - force),
+                          pace > 0.0 ? value_[i] / pace : 0.0,
                           slip_[i],
                           stretch_[i],
                           spin_[i]};
   }
   for (std::size_t k = 0; k < n; ++k) segment.couple[k] = coefficient(k, value_);
   if (segment.mode != ContactMode::grips) return;
-  alignas(16) Row cosine, sine;
-  for (std::size_t i = 0; i < n; ++i) {
-    cosine[i] = to_cosine_[i] * value_[i];
-    sine[i] = to_sine_[i] * value_[i];
+  alignas(16) Points cosine, sine;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    cosine[i] = nodes_.of_cosine[i] * value_[i];
+    sine[i] = nodes_.of_sine[i] * value_[i];
   }
   for (std::size_t k = 0; k < n; ++k) {
     segment.cosine[k] = coefficient(k, cosine);
