@@ -86,7 +86,7 @@ class Collocation {
     const double q = std::sqrt(std::abs(c_.omega2));
     const double growth = c_.b + (c_.omega2 < 0.0 ? q : 0.0);
     // The nodes sample the law of friction, and where energies are asked for they integrate squares.
-    const double turns = c_.omega2 > 0.0 ? q / ((stored_ ? 0.4 : 0.5) * static_cast<double>(n)) : 0.0;
+    const double turns = c_.omega2 > 0.0 ? q / ((along_ ? 0.4 : 0.5) * static_cast<double>(n)) : 0.0;
     return 1.0 / std::max({growth / kMaxGrowth, turns, 1e-300});
   }
 
@@ -181,7 +181,7 @@ class Collocation {
       if (!(rate < 0.0)) return false;
       const double late = end / rate;  // after the event
       const double impulse = std::abs(0.5 * law.weight() * end * late);
-      const bool in_time = !stored_ || std::abs(late) <= (0.03 * tolerance_ + 2e-15) * to_.tau;
+      const bool in_time = !along_ || std::abs(late) <= (0.03 * tolerance_ + 2e-15) * to_.tau;
       if (impulse <= 0.3 * allowed_ && in_time) {
         end_ = solver_.end();
         event_tau_ = to_.tau - late;

@@ -33,6 +33,26 @@ struct ParticularStretch {
   }
 };
 
+/// A grip without couple about the stretch that holds the weight, exp(-b·t)·(first·C + second·S), and how it changes with
+/// b and with omega2, its stretch at the start kept.
+struct FreeGrip {
+  double stretch, slip;
+  double stretch_by_b, slip_by_b, stretch_by_omega2, slip_by_omega2;
+
+  FreeGrip(const CollocationConstants& c, const TangentialState& start, double t, const Oscillation& o,
+           double fade) {
+    const double b = c.b, first = start.stretch - c.rest, second = start.slip + b * first;
+    const double sine = fade * o.sine, cosine = fade * o.cosine;
+    const double sine_by = -0.5 * fade * turned_sine(c.omega2, t, o), cosine_by = -0.5 * t * sine;
+    stretch = first * cosine + second * sine;
+    slip = second * (cosine - b * sine) - first * (b * cosine + c.omega2 * sine);
+    stretch_by_b = first * sine - t * stretch;
+    slip_by_b = -(first * b + second) * sine - t * slip;
+    stretch_by_omega2 = first * cosine_by + second * sine_by;
+    slip_by_omega2 = second * (cosine_by - b * sine_by) - first * (b * cosine_by + sine + c.omega2 * sine_by);
+  }
+};
+
 }  // namespace
 
 /// s = slip0 + beta·P + D/alpha + g_x·t at all times.
@@ -108,14 +128,29 @@ void VariationalEquations::place_slip(const Segment& segment) {
   }
 }
 
+VariationalEquations::GripStart VariationalEquations::start_of_grip(const Segment& segment) const {
+  const double beta_by_alpha = -1.0 / (s_.alpha * s_.alpha);
+  GripStart out;
+  out.b[kByCt] = 0.5 * c_.beta;
+  out.b[kByAlpha] = 0.5 * s_.ct * beta_by_alpha;
+  out.omega2[kByKt] = c_.beta;
+  out.omega2[kByAlpha] = s_.kt * beta_by_alpha;
+  add(out.omega2, out.b, -2.0 * c_.b);
+  out.rest[kByAlong] = 1.0 / (c_.beta * s_.kt);
+  out.rest[kByKt] = -c_.rest / s_.kt;
+  out.rest[kByAlpha] = -c_.rest * beta_by_alpha / c_.beta;
+  out.first = at_.stretch;
+  add(out.first, out.rest, -1.0);
+  // That with the rate b of the decay is the free grip's own.
+  out.second = slip_of(at_, segment.from.tau, c_.spin(segment.start));
+  add(out.second, out.first, c_.b);
+  return out;
+}
+
 void VariationalEquations::place_grip(const Segment& segment) {
   const double alpha = s_.alpha, per_alpha = 1.0 / alpha, per_beta = 1.0 / c_.beta;
-  const double start_spin = c_.spin(segment.start);
-  Partials first = at_.stretch;
-  first[kByAlong] -= 1.0 / (c_.beta * s_.kt);
-  Partials second = slip_of(at_, segment.from.tau, start_spin);
-  add(second, first, c_.b);
-  Nodes of_first, of_second;
+  const GripStart start = start_of_grip(segment);
+  Nodes of_first, of_second, slip_by_b, slip_by_omega2;
   for (std::size_t i = 0; i < nodes_; ++i) {
     const double elapsed = tau_[i] - segment.from.tau;
     const Oscillation o = oscillation(c_.omega2, elapsed);
@@ -125,14 +160,21 @@ void VariationalEquations::place_grip(const Segment& segment) {
     of_second[i] = fade * (o.cosine - c_.b * o.sine);
     of_first[i] = fade * (c_.b * o.cosine + c_.omega2 * o.sine);
     const NodeSample& sample = segment.samples[i];
-    const double friction = s_.kt * sample.stretch + s_.ct * sample.slip;
+    const FreeGrip free(c_, segment.start, elapsed, o, fade);
+    slip_by_b[i] = free.slip_by_b;
+    slip_by_omega2[i] = free.slip_by_omega2;
+    // What the couple adds to the grip drives the derivatives in turn.
+    const double stretch = sample.stretch - (c_.rest + free.stretch), slip = sample.slip - free.slip;
+    const double friction = s_.kt * stretch + s_.ct * slip;
     forcing_[i] = {pace_[i] * (friction - sample.couple_rate) * per_alpha * per_alpha,
-                   -pace_[i] * c_.beta * sample.stretch, -pace_[i] * c_.beta * sample.slip};
+                   -pace_[i] * c_.beta * stretch, -pace_[i] * c_.beta * slip};
   }
   for (std::size_t i = 0; i < nodes_; ++i) {
     Partials slip{};
-    add(slip, second, of_second[i]);
-    add(slip, first, -of_first[i]);
+    add(slip, start.second, of_second[i]);
+    add(slip, start.first, -of_first[i]);
+    add(slip, start.b, slip_by_b[i]);
+    add(slip, start.omega2, slip_by_omega2[i]);
     for (std::size_t j = 0; j < nodes_; ++j) {
       const double green =
           integral(nodes_, j, i) * (of_second[i] * to_cosine_[j] + of_first[i] * to_sine_[j]);
@@ -243,11 +285,8 @@ void VariationalEquations::finish_slip(const Segment& segment, const SegmentPoin
 void VariationalEquations::finish_grip(const Segment& segment, const SegmentPoint& end) {
   const double per_alpha = 1.0 / s_.alpha, per_beta = 1.0 / c_.beta;
   const double tau = end.normal.tau, elapsed = tau - segment.from.tau;
-  const double rest = 1.0 / (c_.beta * s_.kt);
-  Partials first = at_.stretch;
-  first[kByAlong] -= rest;
-  Partials second = slip_of(at_, segment.from.tau, c_.spin(segment.start));
-  add(second, first, c_.b);
+  const GripStart start = start_of_grip(segment);
+  Partials first = start.first, second = start.second;
   const Partials integral = couple_integral(elapsed);
   for (std::size_t i = 0; i < nodes_; ++i) {
     const double cosine = rule_.weight[i] * to_cosine_[i], sine = rule_.weight[i] * to_sine_[i];
@@ -263,12 +302,16 @@ void VariationalEquations::finish_grip(const Segment& segment, const SegmentPoin
   }
   const Oscillation o = oscillation(c_.omega2, elapsed);
   const double fade = std::exp(-c_.b * elapsed);
-  Partials stretch{}, slip{};
+  const FreeGrip free(c_, segment.start, elapsed, o, fade);
+  Partials stretch = start.rest, slip{};
   add(stretch, first, fade * o.cosine);
   add(stretch, second, fade * o.sine);
-  stretch[kByAlong] += rest;
+  add(stretch, start.b, free.stretch_by_b);
+  add(stretch, start.omega2, free.stretch_by_omega2);
   add(slip, second, fade * (o.cosine - c_.b * o.sine));
   add(slip, first, -fade * (c_.b * o.cosine + c_.omega2 * o.sine));
+  add(slip, start.b, free.slip_by_b);
+  add(slip, start.omega2, free.slip_by_omega2);
 
   // The integral of the slip is the stretch.
   add(at_.path, stretch, per_beta);

@@ -62,6 +62,11 @@ class VariationalEquations {
   void place_nodes(const Segment& segment);
   void place_couple(std::size_t i, const NodeSample& sample, const NormalState& normal);
   void place_slip(const Segment& segment);
+  /// The start of a grip as its closed form has it, and the constants of its oscillation.
+  struct GripStart {
+    Partials first{}, second{}, rest{}, b{}, omega2{};
+  };
+  GripStart start_of_grip(const Segment& segment) const;
   void place_grip(const Segment& segment);
   void solve();
   Partials couple_integral(double elapsed) const;
