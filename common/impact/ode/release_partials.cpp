@@ -2,6 +2,7 @@
 
 #include "common/impact/ode/collocation_summary.hpp"
 #include "common/impact/ode/contact_integrator.hpp"
+#include "common/impact/ode/couple_pieces.hpp"
 #include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::impact::detail {
@@ -21,12 +22,15 @@ SegmentPoint end_of(const CollocationConstants& c, const CollocatedContact& cont
 }
 
 ReleasePartials by_variation(const CollocationConstants& c, const CollocatedContact& contact,
-                             const Segments& segments) {
+                             const Segments& segments, double tolerance) {
   VariationalEquations equations(c);
   for (std::size_t k = 0; k < segments.count; ++k) {
     const Segment& segment = segments.all[k];
     const SegmentPoint end = end_of(c, contact, segments, k);
-    equations.advance(segment, end);
+    if (c.system.delta == 0.0)
+      advance_in_pieces(equations, c, segment, end, tolerance);
+    else
+      equations.advance(segment, end);
     if (k + 1 < segments.count && segments.all[k + 1].mode != segment.mode)
       equations.change_law(segment, end, segments.all[k + 1].mode);
   }
@@ -155,7 +159,7 @@ tl::expected<ReleasePartials, InputError> release_partials(const System& system,
     if (const auto constants = CollocationConstants::make(system)) {
       Segments segments;
       if (const auto contact = collocate(*constants, options.tolerance, false, &segments))
-        return by_variation(*constants, *contact, segments);
+        return by_variation(*constants, *contact, segments, options.tolerance);
     }
   }
   return by_differences(system, options);
