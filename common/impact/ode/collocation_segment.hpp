@@ -105,6 +105,11 @@ struct NodeSample {
   double slip, stretch, spin;
 };
 
+struct SegmentPoint {
+  NormalState normal;
+  TangentialState tangential;
+};
+
 struct Segment {
   ContactMode mode = ContactMode::grips;
   double x = 0.0;
@@ -115,6 +120,8 @@ struct Segment {
   /// Legendre coefficients of D' along the segment, per share of it; gripping, of exp(2bt)·W·D' and exp(2bt)·S·D'.
   std::array<double, kMaxNodes> couple, cosine, sine;
   std::array<NodeSample, kMaxNodes> samples;
+  double used = 1.0;  ///< share of it up to where friction changed its law
+  SegmentPoint end;   ///< there, by this law
 };
 
 /// Sum of a grip's two solutions at the time t after the segment's start, weighted with what variation of
@@ -132,11 +139,6 @@ inline Grip grip_at(const CollocationConstants& c, const TangentialState& start,
   return {c.rest + (first * (rate + 2.0 * c.b * sine) + second * sine),
           second * rate - first * (c.beta * c.system.kt * sine)};
 }
-
-struct SegmentPoint {
-  NormalState normal;
-  TangentialState tangential;
-};
 
 /// The state on a solved segment; path and angle are not computed. At a node it is that of the collocation.
 SegmentPoint point_on(const CollocationConstants& c, const Segment& segment, double x);

@@ -142,7 +142,7 @@ class Collocation {
         end_ = solver_.end();
         return advance(to, false);
       }
-      if (!stored_ && solver_.error_inside() <= allowed_ && switch_inside(*event)) return true;
+      if (!along_ && solver_.error_inside() <= allowed_ && switch_inside(*event)) return true;
       return switch_near(x_ + (to - x_) * *event);
     }
     return false;
@@ -238,7 +238,10 @@ class Collocation {
   bool advance(double x, bool event) {
     note_slip_zero(x);
     if (stored_) {
-      solver_.interpolate(segment_);
+      solver_.sample(segment_);
+      if (along_) solver_.interpolate(segment_);
+      segment_.used = (x - segment_.x) / segment_.size;
+      segment_.end = {to_, end_};
       stored_->all[stored_->count++] = segment_;
     }
     if (starts_) starts_->push_back({mode_, x_, from_, at_});
@@ -349,7 +352,7 @@ std::optional<CollocatedContact> collocate(const CollocationConstants& c, double
   const auto solve = [&](auto rule) {
     return by_nodes<rule.nodes, rule.terms>(c, tolerance, along, segments, nullptr);
   };
-  if (!along && !segments) return by_tolerance(tolerance, solve);
+  if (!along) return by_tolerance(tolerance, solve);
   return tolerance > 3e-8 ? solve(Rule<8, 17>{}) : solve(Rule<12, 17>{});
 }
 

@@ -47,7 +47,8 @@ inline bool collocates(const ContactOptions& options) {
 
 /// Returns nullopt where the integrator has to take over: a weight, a reference speed, a stiffness for which
 /// the segments would be too many. `segments`, if not null, receives them; `along`: the error control is that of
-/// every point of a segment, not of its end.
+/// every point of a segment, not of its end, and the segments have their coefficients; otherwise only their samples,
+/// which go beyond where friction changed its law.
 std::optional<CollocatedContact> collocate(const CollocationConstants& constants, double tolerance,
                                            bool along, Segments* segments);
 

@@ -35,7 +35,10 @@ class CouplePiece {
     }
   }
 
-  const Segment& segment() const { return segment_; }
+  const Segment& segment_to(const SegmentPoint& end) {
+    segment_.end = end;
+    return segment_;
+  }
 
   bool resolved(double allowed) const {
     for (const std::size_t k : {kNodes - 2, kNodes - 1}) {
@@ -58,9 +61,9 @@ struct PieceWalk {
   double allowed;
 
   void advance(const SegmentPoint& from, double x, const SegmentPoint& to, double end, int halvings) {
-    const CouplePiece piece(c, whole, from, x, end - x);
+    CouplePiece piece(c, whole, from, x, end - x);
     if (halvings == 0 || piece.resolved(allowed)) {
-      equations.advance(piece.segment(), to);
+      equations.advance(piece.segment_to(to));
       return;
     }
     const double middle_x = 0.5 * (x + end);
@@ -73,9 +76,15 @@ struct PieceWalk {
 }  // namespace
 
 void advance_in_pieces(VariationalEquations& equations, const CollocationConstants& c, const Segment& segment,
-                       const SegmentPoint& end, double tolerance) {
-  PieceWalk walk{equations, c, segment, 0.1 * tolerance};
-  walk.advance({segment.from, segment.start}, segment.x, end, segment.x + segment.size, kMaxHalvings);
+                       double tolerance) {
+  // Without a couple its coefficients are none.
+  Segment whole = segment;
+  whole.couple.fill(0.0);
+  whole.cosine.fill(0.0);
+  whole.sine.fill(0.0);
+  PieceWalk walk{equations, c, whole, 0.1 * tolerance};
+  walk.advance({segment.from, segment.start}, segment.x, segment.end, segment.x + segment.used * segment.size,
+               kMaxHalvings);
 }
 
 }  // namespace strobe::impact::detail

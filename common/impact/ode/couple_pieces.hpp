@@ -7,9 +7,9 @@
 
 namespace strobe::impact::detail {
 
-/// Carries the variational equations along a segment of a contact without an offset, whose end is `end`, in pieces that
+/// Carries the variational equations along a segment of a contact without an offset, in pieces that
 /// resolve the couple of an offset to `tolerance`.
 void advance_in_pieces(VariationalEquations& equations, const CollocationConstants& constants,
-                       const Segment& segment, const SegmentPoint& end, double tolerance);
+                       const Segment& segment, double tolerance);
 
 }  // namespace strobe::impact::detail

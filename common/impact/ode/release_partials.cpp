@@ -9,30 +9,17 @@ namespace strobe::impact::detail {
 
 namespace {
 
-SegmentPoint end_of(const CollocationConstants& c, const CollocatedContact& contact, const Segments& segments,
-                    std::size_t k) {
-  if (k + 1 == segments.count)
-    return {{contact.tau, c.normal.at(contact.tau).depth, contact.rate}, contact.release};
-  const Segment &segment = segments.all[k], &next = segments.all[k + 1];
-  SegmentPoint end{next.from, next.start};
-  // Without a dashpot the stretch of a slip follows from the friction, from its start on.
-  if (c.system.ct == 0.0 && segment.mode == ContactMode::grips && next.mode != segment.mode)
-    end.tangential.stretch = point_on(c, segment, segment.x + segment.size).tangential.stretch;
-  return end;
-}
-
 ReleasePartials by_variation(const CollocationConstants& c, const CollocatedContact& contact,
                              const Segments& segments, double tolerance) {
   VariationalEquations equations(c);
   for (std::size_t k = 0; k < segments.count; ++k) {
     const Segment& segment = segments.all[k];
-    const SegmentPoint end = end_of(c, contact, segments, k);
     if (c.system.delta == 0.0)
-      advance_in_pieces(equations, c, segment, end, tolerance);
+      advance_in_pieces(equations, c, segment, tolerance);
     else
-      equations.advance(segment, end);
+      equations.advance(segment);
     if (k + 1 < segments.count && segments.all[k + 1].mode != segment.mode)
-      equations.change_law(segment, end, segments.all[k + 1].mode);
+      equations.change_law(segment, segments.all[k + 1].mode);
   }
   const System& s = c.system;
   const TangentialState& end = contact.release;

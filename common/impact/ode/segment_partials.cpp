@@ -1,5 +1,6 @@
 #include "common/impact/ode/segment_partials.hpp"
 
+#include <cassert>
 #include <utility>
 
 #include "common/impact/ode/friction_law.hpp"
@@ -10,11 +11,6 @@ namespace {
 
 void add(Partials& to, const Partials& what, double times) {
   for (std::size_t k = 0; k < kSystemInputs; ++k) to[k] += times * what[k];
-}
-
-/// What the value at node j adds to the integral up to node i.
-double integral(std::size_t nodes, std::size_t j, std::size_t i) {
-  return nodes == 8 ? kGaussLegendre<8>.integral[j][i] : kGaussLegendre<12>.integral[j][i];
 }
 
 /// The share of the friction's limit that the stretch of a long slip comes to, and its derivatives with respect to zeta
@@ -66,12 +62,43 @@ Partials VariationalEquations::slip_of(const TangentialPartials& at, double tau,
   return slip;
 }
 
+template <std::size_t n>
+void VariationalEquations::use_rule(const Segment& segment) {
+  constexpr const GaussLegendre<n>& rule = kGaussLegendre<n>;
+  nodes_ = n;
+  points_ = rule.points;
+  node_ = rule.node.data();
+  integral_ = rule.integral[0].data();
+  if (segment.used == 1.0) {
+    std::copy(rule.weight.begin(), rule.weight.end(), weight_.begin());
+    return;
+  }
+  typename GaussLegendre<n>::Points weights;
+  integral_weights<n>(segment.used, weights);
+  std::copy_n(weights.begin(), n, weight_.begin());
+}
+
 void VariationalEquations::place_nodes(const Segment& segment) {
-  nodes_ = segment.nodes;
-  rule_ = rule_of(segment);
+  switch (segment.nodes) {
+    case 7:
+      use_rule<7>(segment);
+      break;
+    case 9:
+      use_rule<9>(segment);
+      break;
+    case 11:
+      use_rule<11>(segment);
+      break;
+    case 12:
+      use_rule<12>(segment);
+      break;
+    default:
+      assert(segment.nodes == 13);
+      use_rule<13>(segment);
+  }
   for (std::size_t i = 0; i < nodes_; ++i) {
     const NodeSample& sample = segment.samples[i];
-    const double x = segment.x + segment.size * rule_.node[i];
+    const double x = segment.x + segment.size * node_[i];
     tau_[i] = c_.normal.tau(x);
     pace_[i] = segment.size * c_.normal.pace(x);
     const double rate = sample.force_rate - 2.0 * s_.zeta * (s_.gravity - sample.force);
@@ -124,7 +151,7 @@ void VariationalEquations::place_slip(const Segment& segment) {
     spin[kByAlpha] -= (sample.spin - s_.w0) * per_alpha;
     add(rows_[i], spin, of_spin_[i]);
     for (std::size_t j = 0; j < nodes_; ++j)
-      matrix_[i][j] = (i == j ? 1.0 : 0.0) - of_spin_[i] * per_alpha * integral(nodes_, j, i);
+      matrix_[i][j] = (i == j ? 1.0 : 0.0) - of_spin_[i] * per_alpha * integral(j, i);
   }
 }
 
@@ -176,13 +203,12 @@ void VariationalEquations::place_grip(const Segment& segment) {
     add(slip, start.b, slip_by_b[i]);
     add(slip, start.omega2, slip_by_omega2[i]);
     for (std::size_t j = 0; j < nodes_; ++j) {
-      const double green =
-          integral(nodes_, j, i) * (of_second[i] * to_cosine_[j] + of_first[i] * to_sine_[j]);
+      const double green = integral(j, i) * (of_second[i] * to_cosine_[j] + of_first[i] * to_sine_[j]);
       slip[kByAlpha] += green * forcing_[j].alpha;
       slip[kByKt] += green * forcing_[j].kt;
       slip[kByCt] += green * forcing_[j].ct;
-      matrix_[i][j] = (i == j ? 1.0 : 0.0) -
-                      of_spin_[i] * per_alpha * per_beta * (integral(nodes_, j, i) + per_alpha * green);
+      matrix_[i][j] =
+          (i == j ? 1.0 : 0.0) - of_spin_[i] * per_alpha * per_beta * (integral(j, i) + per_alpha * green);
     }
     const double turned = (segment.samples[i].spin - s_.w0) * per_alpha;
     // alpha·dw = D + P, and beta·P follows from the slip.
@@ -229,7 +255,7 @@ Partials VariationalEquations::couple_integral(double elapsed) const {
   add(sum, at_.couple, elapsed);
   for (std::size_t j = 0; j < nodes_; ++j) {
     double weight = 0.0;
-    for (std::size_t i = 0; i < nodes_; ++i) weight += rule_.weight[i] * pace_[i] * integral(nodes_, j, i);
+    for (std::size_t i = 0; i < nodes_; ++i) weight += weight_[i] * pace_[i] * integral(j, i);
     add(sum, rows_[j], weight);
   }
   return sum;
@@ -251,7 +277,8 @@ Partials VariationalEquations::slipping_stretch(const NormalState& normal, const
   return out;
 }
 
-void VariationalEquations::finish_slip(const Segment& segment, const SegmentPoint& end) {
+void VariationalEquations::finish_slip(const Segment& segment) {
+  const SegmentPoint& end = segment.end;
   const double sign = direction(segment.mode), limit = sign * s_.mu;
   const double elapsed = end.normal.tau - segment.from.tau;
   const NormalPartials from = normal_partials(s_, segment.from), to = normal_partials(s_, end.normal);
@@ -268,7 +295,7 @@ void VariationalEquations::finish_slip(const Segment& segment, const SegmentPoin
   at_.friction[kByMu] -= sign * (c_.normal.impulse(end.normal) - impulse);
   at_.friction[kByZeta] -= limit * (to.zeta.impulse - from.zeta.impulse);
   at_.friction[kByGravity] -= limit * (to.gravity.impulse - from.gravity.impulse);
-  for (std::size_t i = 0; i < nodes_; ++i) add(at_.couple, rows_[i], rule_.weight[i]);
+  for (std::size_t i = 0; i < nodes_; ++i) add(at_.couple, rows_[i], weight_[i]);
 
   Partials stretch = slipping_stretch(end.normal, to, sign);
   if (s_.ct > 0.0) {
@@ -282,14 +309,15 @@ void VariationalEquations::finish_slip(const Segment& segment, const SegmentPoin
   at_.stretch = stretch;
 }
 
-void VariationalEquations::finish_grip(const Segment& segment, const SegmentPoint& end) {
+void VariationalEquations::finish_grip(const Segment& segment) {
+  const SegmentPoint& end = segment.end;
   const double per_alpha = 1.0 / s_.alpha, per_beta = 1.0 / c_.beta;
   const double tau = end.normal.tau, elapsed = tau - segment.from.tau;
   const GripStart start = start_of_grip(segment);
   Partials first = start.first, second = start.second;
   const Partials integral = couple_integral(elapsed);
   for (std::size_t i = 0; i < nodes_; ++i) {
-    const double cosine = rule_.weight[i] * to_cosine_[i], sine = rule_.weight[i] * to_sine_[i];
+    const double cosine = weight_[i] * to_cosine_[i], sine = weight_[i] * to_sine_[i];
     add(second, rows_[i], per_alpha * cosine);
     add(first, rows_[i], -per_alpha * sine);
     second[kByAlpha] += cosine * forcing_[i].alpha;
@@ -298,7 +326,7 @@ void VariationalEquations::finish_grip(const Segment& segment, const SegmentPoin
     first[kByAlpha] -= sine * forcing_[i].alpha;
     first[kByKt] -= sine * forcing_[i].kt;
     first[kByCt] -= sine * forcing_[i].ct;
-    add(at_.couple, rows_[i], rule_.weight[i]);
+    add(at_.couple, rows_[i], weight_[i]);
   }
   const Oscillation o = oscillation(c_.omega2, elapsed);
   const double fade = std::exp(-c_.b * elapsed);
@@ -331,7 +359,7 @@ void VariationalEquations::finish_grip(const Segment& segment, const SegmentPoin
   at_.stretch = stretch;
 }
 
-void VariationalEquations::advance(const Segment& segment, const SegmentPoint& end) {
+void VariationalEquations::advance(const Segment& segment) {
   place_nodes(segment);
   const bool grips = segment.mode == ContactMode::grips;
   if (grips)
@@ -340,9 +368,9 @@ void VariationalEquations::advance(const Segment& segment, const SegmentPoint& e
     place_slip(segment);
   solve();
   if (grips)
-    finish_grip(segment, end);
+    finish_grip(segment);
   else
-    finish_slip(segment, end);
+    finish_slip(segment);
 }
 
 Partials VariationalEquations::friction_of(ContactMode mode, const SegmentPoint& end,
@@ -384,7 +412,8 @@ Partials VariationalEquations::stretch_rate_of(ContactMode mode, const SegmentPo
   return out;
 }
 
-void VariationalEquations::change_law(const Segment& segment, const SegmentPoint& end, ContactMode next) {
+void VariationalEquations::change_law(const Segment& segment, ContactMode next) {
+  const SegmentPoint& end = segment.end;
   const FrictionLaw law(c_, segment.mode);
   const double rate = law.rate(end);
   if (!(rate < 0.0)) return;

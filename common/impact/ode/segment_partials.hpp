@@ -48,10 +48,10 @@ class VariationalEquations {
       : c_(constants), s_(constants.system) {}
 
   /// From the segment's start to its end.
-  void advance(const Segment& segment, const SegmentPoint& end);
+  void advance(const Segment& segment);
 
   /// The law of friction changes from that of `segment`, at its end, to `next`.
-  void change_law(const Segment& segment, const SegmentPoint& end, ContactMode next);
+  void change_law(const Segment& segment, ContactMode next);
 
   const TangentialPartials& partials() const { return at_; }
 
@@ -70,8 +70,8 @@ class VariationalEquations {
   void place_grip(const Segment& segment);
   void solve();
   Partials couple_integral(double elapsed) const;
-  void finish_slip(const Segment& segment, const SegmentPoint& end);
-  void finish_grip(const Segment& segment, const SegmentPoint& end);
+  void finish_slip(const Segment& segment);
+  void finish_grip(const Segment& segment);
 
   Partials slip_of(const TangentialPartials& at, double tau, double spin) const;
   Partials slipping_stretch(const NormalState& normal, const NormalPartials& by, double sign) const;
@@ -83,8 +83,15 @@ class VariationalEquations {
   const System& s_;
   TangentialPartials at_;
 
-  std::size_t nodes_ = 0;
-  RuleView rule_;
+  /// What the value at node j adds to the integral up to node i.
+  double integral(std::size_t j, std::size_t i) const { return integral_[j * points_ + i]; }
+  template <std::size_t n>
+  void use_rule(const Segment& segment);
+
+  std::size_t nodes_ = 0, points_ = 0;
+  const double* node_ = nullptr;
+  const double* integral_ = nullptr;
+  alignas(16) std::array<double, kMaxNodes + 1> weight_;  ///< of the integral up to the segment's end
   Nodes tau_, pace_;
   Nodes of_spin_;  ///< of the couple's rate times pace
   std::array<NormalPartials, kMaxNodes> by_;

@@ -39,7 +39,9 @@ class SegmentSolver {
   /// The state at a share of the segment by the polynomial.
   SegmentPoint point_at(const Segment& segment, double share) const;
 
-  /// Fills the segment's coefficients, for point_on(), and its samples.
+  /// Fills the segment's samples.
+  void sample(Segment& segment) const;
+  /// Its coefficients, for point_on().
   void interpolate(Segment& segment) const;
 
   const TangentialState& end() const { return end_; }
@@ -315,7 +317,7 @@ double SegmentSolver<n, terms>::error_at_end() const {
 }
 
 template <std::size_t n, std::size_t terms>
-void SegmentSolver<n, terms>::interpolate(Segment& segment) const {
+void SegmentSolver<n, terms>::sample(Segment& segment) const {
   segment.nodes = n;
   const System& s = c_.system;
   for (std::size_t i = 0; i < n; ++i) {
@@ -328,6 +330,10 @@ void SegmentSolver<n, terms>::interpolate(Segment& segment) const {
                           stretch_[i],
                           spin_[i]};
   }
+}
+
+template <std::size_t n, std::size_t terms>
+void SegmentSolver<n, terms>::interpolate(Segment& segment) const {
   for (std::size_t k = 0; k < n; ++k) segment.couple[k] = coefficient(k, value_);
   if (segment.mode != ContactMode::grips) return;
   alignas(16) Points cosine, sine;
