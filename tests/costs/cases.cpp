@@ -9,6 +9,7 @@
 #include "common/impact/closed_form/rebound.hpp"
 #include "common/impact/closed_form/sine_pulse.hpp"
 #include "common/impact/ode/contact_ode.hpp"
+#include "common/impact/ode/contact_sensitivity.hpp"
 #include "common/reduction/reduce.hpp"
 #include "host/assembly/flash_match.hpp"
 #include "host/assembly/flash_times.hpp"
@@ -126,6 +127,16 @@ Case lift_off_case(const std::string& name, double tolerance) {
           }};
 }
 
+Case sensitivity_case() {
+  return {"lift_off_sensitivity_1e-6", [] {
+            const ball::Ball ball{.alpha = impact::kContactAlpha};
+            for (const Bounce& b : kBounces)
+              keep(impact::lift_off_with_sensitivity(
+                  ball, b.touchdown, {.e = b.e, .dwell_s = b.dwell_s},
+                  {.method = impact::ContactMethod::collocation, .tolerance = 1e-6}));
+          }};
+}
+
 /// A dozen images of 166 flashes.
 Case flash_match_case() {
   const host_test::SyntheticShot made = host_test::make_shot({});
@@ -233,6 +244,7 @@ std::vector<Case> all_cases() {
           lift_off_case("lift_off_1e-6", 1e-6),
           lift_off_case("lift_off_1e-9", 1e-9),
           lift_off_case("lift_off_1e-12", 1e-12),
+          sensitivity_case(),
           flash_match_case(),
           digitize_case(),
           simulated_shot_case(),
