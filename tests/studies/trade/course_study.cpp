@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/impact/closed_form/sine_pulse.hpp"
+#include "common/impact/ode/contact_course.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
 #include "tests/studies/trade/calibration.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
@@ -48,6 +49,21 @@ Course by_ode(const ImpactScene& s, const impact::ContactOptions& options) {
     }
     const impact::ContactState state = contact->at(kFractions[i] * s.contact.dwell_s);
     course[i] = {state.x_m, state.y_m, s.ball.radius_m() * state.rotation_rad};
+  }
+  return course;
+}
+
+Course by_collocation(const ImpactScene& s, double tolerance) {
+  Course course;
+  const auto contact = impact::ContactCourse::make(
+      s.ball, s.touchdown, s.contact, {.method = impact::ContactMethod::collocation, .tolerance = tolerance});
+  for (std::size_t i = 0; i < course.size(); ++i) {
+    if (!contact) {
+      course[i].x_m = NAN;
+      continue;
+    }
+    const impact::ContactMotion at = contact->at(kFractions[i] * s.contact.dwell_s);
+    course[i] = {at.x_m, at.y_m, s.ball.radius_m() * at.rotation_rad};
   }
   return course;
 }
@@ -150,11 +166,14 @@ Study course_study(const Effort& effort) {
       add(fmt::format("pulse_{}", impact::name(form)), grips ? "rebound=grip_offset" : "rebound=rigid",
           Source::model, [=](const ImpactScene& s) { return by_pulse(s, form, grip); });
   }
-  for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10}) {
-    if (effort.quick && tolerance != 1e-3 && tolerance != 1e-6) continue;
+  const std::vector<double> tolerances =
+      effort.quick ? std::vector{1e-3, 1e-6} : std::vector{1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10};
+  for (const double tolerance : tolerances)
+    add("collocation", fmt::format("tolerance={}", tolerance), Source::numerical,
+        [=](const ImpactScene& s) { return by_collocation(s, tolerance); });
+  for (const double tolerance : tolerances)
     add("ode", fmt::format("tolerance={}", tolerance), Source::numerical,
         [=](const ImpactScene& s) { return by_ode(s, integrator(tolerance)); });
-  }
   return study;
 }
 

@@ -1,10 +1,12 @@
 // Impact models against the contact's mechanics.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "common/impact/closed_form/sine_pulse.hpp"
+#include "common/impact/ode/return_mapping.hpp"
 #include "tests/studies/trade/known_impacts.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
 #include "tests/studies/trade/studies.hpp"
@@ -48,6 +50,17 @@ std::optional<Motion> by_ode(const ImpactScene& s, const ContactOptions& options
   return summary ? std::optional(summary->lift_off) : std::nullopt;
 }
 
+std::optional<Motion> by_collocation(const ImpactScene& s, double tolerance) {
+  const auto end = impact::lift_off(s.ball, s.touchdown, s.contact,
+                                    {.method = ContactMethod::collocation, .tolerance = tolerance});
+  return end ? std::optional(end->lift_off) : std::nullopt;
+}
+
+std::optional<Motion> by_return_mapping(const ImpactScene& s, int steps) {
+  const auto rebound = impact::return_mapping(s.ball, s.touchdown, s.contact, steps);
+  return rebound ? std::optional(rebound->lift_off) : std::nullopt;
+}
+
 std::optional<Motion> by_grip(const ImpactScene& s, const Grip& grip) {
   const auto rebound = impact::grip(s.ball, s.touchdown, coefficients(s, grip));
   return rebound ? std::optional(rebound->lift_off) : std::nullopt;
@@ -83,6 +96,33 @@ void add_grips(Study& study, const Sets& sets, const Effort& effort) {
     if (offset) constants += fmt::format(";offset_mm={:.2f}", grip.offset_m * 1e3);
     study.rows.push_back(measured(sets, effort, offset ? "grip_offset" : "grip", constants, Source::model,
                                   [grip](const ImpactScene& s) { return by_grip(s, grip); }));
+  }
+}
+
+/// How often the integrator had to take over, as the row's remark.
+std::string taken_over(const std::vector<KnownImpact>& set, double tolerance) {
+  const auto by_integrator = [&](const KnownImpact& k) {
+    const auto end = impact::lift_off(k.scene.ball, k.scene.touchdown, k.scene.contact,
+                                      {.method = ContactMethod::collocation, .tolerance = tolerance});
+    return !end || end->method != ContactMethod::collocation;
+  };
+  return fmt::format("the integrator took over in {} of {}", std::ranges::count_if(set, by_integrator),
+                     set.size());
+}
+
+void add_quick_solutions(Study& study, const Sets& sets, const Effort& effort) {
+  std::vector<int> steps{3, 4, 6, 8, 12, 16, 24, 32, 64};
+  if (effort.quick) steps = {4, 32};
+  for (const int n : steps)
+    study.rows.push_back(measured(sets, effort, "return_mapping", fmt::format("steps={}", n),
+                                  Source::numerical,
+                                  [n](const ImpactScene& s) { return by_return_mapping(s, n); }));
+  for (int power = 3; power <= 12; power += effort.quick ? 3 : 1) {
+    const double tolerance = std::stod(fmt::format("1e-{}", power));
+    study.rows.push_back(
+        measured(sets, effort, "collocation", fmt::format("tolerance={}", tolerance), Source::numerical,
+                 [tolerance](const ImpactScene& s) { return by_collocation(s, tolerance); }));
+    study.rows.back().remark = taken_over(sets.practical, tolerance);
   }
 }
 
@@ -161,10 +201,20 @@ Study within_a_scene(const std::vector<ImpactScene>& practical, const std::vecto
   });
   grip.remark = "besides one ODE run a scene";
   study.rows.push_back(grip);
-  for (const double tolerance : {1e-3, 1e-6})
+  for (const int steps : {4, 8, 16, 32})
+    study.rows.push_back(measured(sets, effort, "return_mapping", fmt::format("steps={}", steps),
+                                  Source::numerical,
+                                  [steps](const ImpactScene& s) { return by_return_mapping(s, steps); }));
+  for (const double tolerance : {1e-3, 1e-6, 1e-9})
     study.rows.push_back(
-        measured(sets, effort, "ode", fmt::format("tolerance={}", tolerance), Source::numerical,
-                 [tolerance](const ImpactScene& s) { return by_ode(s, {.tolerance = tolerance}); }));
+        measured(sets, effort, "collocation", fmt::format("tolerance={}", tolerance), Source::numerical,
+                 [tolerance](const ImpactScene& s) { return by_collocation(s, tolerance); }));
+  for (const double tolerance : {1e-3, 1e-6})
+    study.rows.push_back(measured(sets, effort, "ode", fmt::format("tolerance={}", tolerance),
+                                  Source::numerical, [tolerance](const ImpactScene& s) {
+                                    return by_ode(
+                                        s, {.method = ContactMethod::dormand_prince, .tolerance = tolerance});
+                                  }));
   return study;
 }
 
@@ -184,6 +234,7 @@ std::vector<Study> lift_off_studies(const Effort& effort) {
   study.reference = reference_error(practical, effort.quick ? 1 : 40);
   add_closed_forms(study, sets, effort);
   add_grips(study, sets, effort);
+  add_quick_solutions(study, sets, effort);
   add_integrations(study, sets, effort);
   Study scene = within_a_scene(practical, thesis, effort);
   scene.reference = study.reference;
