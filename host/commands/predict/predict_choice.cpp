@@ -40,11 +40,24 @@ bool take_grip(const Row& row, PredictInput& in) {
   return true;
 }
 
+/// The method's own error control holds it to its tolerance on every impact.
+bool is_adaptive(const Row& row) { return row.method == "ode" || row.method == "collocation"; }
+
+bool take_return_mapping(const Row& row, PredictInput& in) {
+  const auto steps = number<int>(row, "steps");
+  in.model = "return_mapping";
+  in.integration.steps = steps.value_or(0);
+  return steps.has_value();
+}
+
 bool take_ode(const Row& row, PredictInput& in) {
   in.model = "ode";
-  if (row.method == "ode") {
+  if (is_adaptive(row)) {
     const auto tolerance = number<double>(row, "tolerance");
-    in.integration = {.method = impact::ContactMethod::dormand_prince, .tolerance = tolerance.value_or(0.0)};
+    const bool integrated = row.method == "ode";
+    in.integration = {
+        .method = integrated ? impact::ContactMethod::dormand_prince : impact::ContactMethod::collocation,
+        .tolerance = tolerance.value_or(0.0)};
     return tolerance.has_value();
   }
   const auto steps = number<int>(row, "steps");
@@ -100,7 +113,7 @@ class Runs {
   Runs(const MeasuredModels& measured, std::vector<Row> rows, const frontier::Requirement& requirement,
        const PredictInput& in, HostTime (*now)())
       : rows_(std::move(rows)), integrations_(measured.rows), requirement_(requirement), in_(in), now_(now) {
-    std::erase_if(integrations_, [](const Row& row) { return row.method != "ode"; });
+    std::erase_if(integrations_, [](const Row& row) { return !is_adaptive(row); });
   }
 
   Result<Prediction> take(const Row& row, ImpactChoice& choice) const {
@@ -146,12 +159,15 @@ class Runs {
   Result<Prediction> run(const Row& row, ImpactChoice& choice) const {
     const PredictInput with = *input_for(row, in_);
     const HostTime begin = now_();
-    auto prediction = predict(with);
+    const auto first = lift_off_only(with);
     const HostTime middle = now_();
-    const auto again = predict(with);
+    const auto again = lift_off_only(with);
     choice.duration += middle - begin;
     choice.repeated_duration += now_() - middle;
     choice.expected_cost_us += row.cost_us;
+    if (!first || !again) return fail(std::string(impact::message((first ? again : first).error())));
+    // What is printed besides is nobody's deadline.
+    auto prediction = predict(with);
     if (!prediction) return fail(std::string(impact::message(prediction.error())));
     return std::move(*prediction);
   }
@@ -162,6 +178,13 @@ class Runs {
   const PredictInput& in_;
   HostTime (*now_)();
 };
+
+ImpactPromise promise_of(const TriedModel& taken) {
+  if (taken.error_estimate) return {*taken.error_estimate, PromiseBasis::check};
+  if (is_adaptive(taken.row))
+    return {number<double>(taken.row, "tolerance").value_or(taken.row.error), PromiseBasis::error_control};
+  return {taken.row.error, PromiseBasis::worst_measured};
+}
 
 }  // namespace
 
@@ -174,7 +197,9 @@ std::optional<PredictInput> input_for(const Row& row, PredictInput in) {
   } else if (row.method == "pulse_exact" || row.method == "pulse_simplified") {
     in.model = "pulse";
     in.form = row.method.substr(std::string_view("pulse_").size());
-  } else if (row.method == "ode" || row.method == "ode_rk4" || row.method == "ode_euler") {
+  } else if (row.method == "return_mapping") {
+    known = take_return_mapping(row, in);
+  } else if (is_adaptive(row) || row.method == "ode_rk4" || row.method == "ode_euler") {
     known = take_ode(row, in);
   } else {
     known = false;
@@ -205,6 +230,7 @@ Result<ImpactChoice> choose_impact(const MeasuredModels& measured, const frontie
   if (!prediction) return tl::unexpected(prediction.error());
   while (runs.replaced_after_check(*prediction, choice)) {
   }
+  choice.promise = promise_of(choice.taken);
   choice.prediction = std::move(*prediction);
   choice.input = *input_for(choice.taken.row, in);
   return choice;

@@ -18,6 +18,22 @@ ordered_json checked_json(ordered_json out, const TriedModel& tried) {
   return out;
 }
 
+std::string promise_text(const ImpactChoice& choice) {
+  const double error_percent = choice.promise.error * 100.0;
+  switch (choice.promise.basis) {
+    case PromiseBasis::check:
+      return fmt::format("promised for this impact: {:.2g}%, by the check", error_percent);
+    case PromiseBasis::error_control:
+      return fmt::format("promised for this impact: {:.2g}%, by the method's own error control",
+                         error_percent);
+    case PromiseBasis::worst_measured:
+      break;
+  }
+  return fmt::format(
+      "promised: {:.2g}%, the worst of all contacts measured; nothing is known of this impact's",
+      error_percent);
+}
+
 std::string check_text(const TriedModel& tried) {
   return fmt::format("{:.2g}% on this impact, by {}", *tried.error_estimate * 100.0,
                      frontier::label(*tried.checked_by));
@@ -39,6 +55,8 @@ ordered_json choice_json(const ImpactChoice& choice, const frontier::Requirement
   for (const TriedModel& tried : choice.replaced)
     out["replaced"].push_back(checked_json(row_json(tried.row), tried));
   out["total_expected_cost_us"] = choice.expected_cost_us;
+  out["promised_error"] = choice.promise.error;
+  out["promised_by"] = name(choice.promise.basis);
   return out;
 }
 
@@ -56,6 +74,7 @@ std::vector<std::string> choice_lines(const ImpactChoice& choice, const frontier
     lines.push_back(requirement.deadline_us
                         ? "not checked on this impact: no time for a more exact run"
                         : "not checked on this impact: no more exact method was measured");
+  lines.push_back(promise_text(choice));
   if (!choice.outside.empty())
     lines.push_back(fmt::format("outside of what was measured: {}", fmt::join(choice.outside, ", ")));
   return lines;

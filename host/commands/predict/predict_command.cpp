@@ -46,7 +46,7 @@ ordered_json inputs_of(const PredictInput& o) {
     in["dwell_time_ms"] = o.dwell_time_ms;
     in["form"] = o.form;
   }
-  if (o.model == "ode") {
+  if (o.model == "ode" || o.model == "return_mapping") {
     in["mass_kg"] = o.mass_kg;
     in["dwell_time_ms"] = o.dwell_time_ms;
     in["kt_ratio"] = o.contact.stiffness_ratio;
@@ -55,6 +55,9 @@ ordered_json inputs_of(const PredictInput& o) {
     in["offset_reference_mps"] = o.contact.offset_reference_mps;
     in["gravity_mps2"] = o.contact.gravity_mps2;
     in["gravity_along_mps2"] = o.contact.gravity_along_mps2;
+  }
+  if (o.model == "return_mapping") in["steps"] = o.integration.steps;
+  if (o.model == "ode") {
     const bool fixed_steps = o.integration.method == impact::ContactMethod::rk4 ||
                              o.integration.method == impact::ContactMethod::semi_implicit_euler;
     if (!fixed_steps) {

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "common/impact/ode/return_mapping.hpp"
+
 namespace strobe::host {
 
 double default_alpha(std::string_view model) {
@@ -50,6 +52,9 @@ tl::expected<Prediction, impact::InputError> predict(const PredictInput& in) {
                             .contact = std::move(contact)};
         });
   }
+  if (in.model == "return_mapping")
+    return impact::return_mapping(ball, in.touchdown, contact_of(in), in.integration.steps)
+        .map([](const impact::Rebound& r) { return Prediction{.rebound = r}; });
   const auto rebound =
       in.model == "rigid"
           ? impact::rigid(ball, in.touchdown, in.e, mu)
@@ -59,6 +64,13 @@ tl::expected<Prediction, impact::InputError> predict(const PredictInput& in) {
     r.regime = impact::regime_of(ball, in.touchdown, r);
     return Prediction{.rebound = r};
   });
+}
+
+tl::expected<impact::Motion, impact::InputError> lift_off_only(const PredictInput& in) {
+  if (in.model == "ode")
+    return impact::lift_off(ball_of(in), in.touchdown, contact_of(in), in.integration)
+        .map([](const impact::ContactLiftOff& end) { return end.lift_off; });
+  return predict(in).map([](const Prediction& p) { return p.rebound.lift_off; });
 }
 
 }  // namespace strobe::host

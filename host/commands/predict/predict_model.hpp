@@ -15,7 +15,7 @@ inline constexpr double kRigidMu = 0.55;
 
 struct PredictInput {
   impact::Motion touchdown;
-  std::string model = "grip";
+  std::string model = "grip";  ///< "rigid", "grip", "pulse", "ode"; "return_mapping" where it was chosen
   double e = impact::kFittedToThesis.e;
   std::optional<double> mu;     ///< absent: the model's own
   std::optional<double> alpha;  ///< absent: the model's own
@@ -46,5 +46,8 @@ struct Prediction {
 
 /// Errors: those of the model.
 tl::expected<Prediction, impact::InputError> predict(const PredictInput& in);
+
+/// The lift-off alone, at its own cost.
+tl::expected<impact::Motion, impact::InputError> lift_off_only(const PredictInput& in);
 
 }  // namespace strobe::host

@@ -122,8 +122,9 @@ void add_choice_options(CLI::App& command, PredictOptions& options) {
       "--tolerance", options.tolerance,
       "choose the cheapest model and parameter with at most this error, as 0.1% or 1e-3: that of the "
       "lift-off's vx, vy and R omega together over the touchdown's speed, against the contact's mechanics "
-      "(ode, exact), the largest over the contacts measured. Where the deadline leaves time it is checked "
-      "on this impact by a more exact run, which is taken instead if it shows more. " +
+      "(ode, exact). First by the largest over the contacts measured; where the deadline leaves time it is "
+      "checked on this impact by a more exact run, which is taken instead if it shows more. What is promised "
+      "for this impact and how that is known is told (JSON: `promised_error`, `promised_by`). " +
           defaults_text + "; --model restricts the choice to it");
   command.add_option(
       "--deadline-us", options.deadline_us,

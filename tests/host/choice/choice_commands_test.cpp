@@ -53,6 +53,8 @@ TEST(ChoiceCommands, PredictSaysWhatItTookAndWhy) {
   CHECK_EQUAL("the cheapest of 5 methods that meets 0.1% and 50 us", choice["reason"]);
   CHECK(choice["error_estimate"].get<double>() < 1e-3);
   CHECK(choice["within_tolerance"].get<bool>());
+  CHECK_EQUAL("check", choice["promised_by"]);
+  CHECK_EQUAL(choice["error_estimate"], choice["promised_error"]);
   CHECK(run.err.starts_with("strobe: predict: took "));
 }
 
@@ -67,7 +69,8 @@ TEST(ChoiceCommands, PredictTellsItsChoiceInWords) {
   check_prints(predict({"--deadline-us", "10"}),
                {"chosen ode tolerance=0.001: the most exact of 5 methods that meets 10 us; at most 1% of "
                 "v_td in 9 us as measured\n",
-                "not checked on this impact: no time for a more exact run\n"});
+                "not checked on this impact: no time for a more exact run\n",
+                "promised for this impact: 0.1%, by the method's own error control\n"});
 }
 
 TEST(ChoiceCommands, PredictSaysWithHowManyStepsItIntegrated) {

@@ -133,6 +133,36 @@ TEST(PredictChoice, LeavesTheCheckOutWhereTheDeadlineHasNoTimeForIt) {
   DOUBLES_EQUAL(0.01, choice->expected_cost_us, 0.0);
 }
 
+// A promise about this impact holds for it, whichever way it came about.
+TEST(PredictChoice, PromisesWhatItKnowsOfThisImpact) {
+  MeasuredModels quick{.rows = {row("rigid", "", 0.01, 0.6), row("return_mapping", "steps=16", 0.7, 0.05),
+                                row("collocation", "tolerance=0.001", 1.3, 1e-3),
+                                row("collocation", "tolerance=1e-06", 2.5, 1e-6)},
+                       .ranges = {}};
+  const auto choose_in = [&](double tolerance, std::optional<double> deadline_us) {
+    return choose_impact(quick, {.tolerance = tolerance, .deadline_us = deadline_us}, "", thesis_input(),
+                         no_clock);
+  };
+  const auto checked = choose_in(0.05, {});
+  CHECK_EQUAL("return_mapping", checked->taken.row.method);
+  CHECK_EQUAL("collocation", checked->taken.checked_by->method);
+  CHECK(PromiseBasis::check == checked->promise.basis);
+  CHECK(error_of(*checked) <= checked->promise.error);
+  CHECK(checked->promise.error < 0.01);  // far below the worst of all contacts
+
+  const auto controlled = choose_in(1e-3, 2.0);
+  CHECK_EQUAL("tolerance=0.001", controlled->taken.row.parameter);
+  CHECK(impact::ContactMethod::collocation == controlled->input.integration.method);
+  CHECK(PromiseBasis::error_control == controlled->promise.basis);
+  DOUBLES_EQUAL(1e-3, controlled->promise.error, 0.0);
+  CHECK(error_of(*controlled) <= controlled->promise.error);
+
+  const auto unknown = choose_in(0.05, 1.0);
+  CHECK_EQUAL("return_mapping", unknown->taken.row.method);
+  CHECK(PromiseBasis::worst_measured == unknown->promise.basis);
+  DOUBLES_EQUAL(0.05, unknown->promise.error, 0.0);
+}
+
 TEST(PredictChoice, TakesTheCheckWhereItShowsMoreErrorThanAllowed) {
   MeasuredModels optimistic{.rows = rows(), .ranges = {}};
   optimistic.rows = measured_models(optimistic.rows, {}).rows;
