@@ -10,6 +10,7 @@
 #include "sim/loading/scene_files.hpp"
 #include "sim/plan/choose.hpp"
 #include "sim/plan/cost.hpp"
+#include "sim/plan/unmodelled.hpp"
 #include "sim/scene/model_text.hpp"
 
 namespace strobe::sim {
@@ -49,6 +50,35 @@ std::string bound_text(double bound, double scale, Quantity q) {
   return fmt::format("{:.2g}{}{} ({:.2g}%)", bound, of.empty() ? "" : " ", of, 100.0 * bound / scale);
 }
 
+std::string_view status(const PlannedEffect& e) {
+  if (!e.present) return "absent";
+  if (!e.needed) return "left out";
+  return is_decided(e.effect) ? "needed" : "always on";
+}
+
+void print_claims(const Plan& plan) {
+  fmt::print("\nthe contact is solved to {:.0e}", plan.model.contact_tolerance());
+  if (!plan.sampled) {
+    fmt::print("; nothing that matters is left out\n");
+    return;
+  }
+  const SampledClaim& claim = *plan.sampled;
+  const Quantity most = worst(claim.largest, plan.tolerance);
+  fmt::print(
+      "; of {} sampled shots none changes a number by more than half of what is allowed,\n{} most, by {}: "
+      "with {:.0f}% confidence fewer than {:.2g}% of shots do\n",
+      claim.shots, reduction::name(most), bound_text(claim.largest[most], plan.scale[most], most),
+      100.0 * kConfidence, 100.0 * claim.share);
+}
+
+void print_unmodelled(const Scene& scene, const Plan& plan) {
+  fmt::print("\n{:<22} {:<28} {}\n", "no model has", "changes by at most", "of");
+  for (const UnmodelledTerm& term : unmodelled_terms(scene))
+    fmt::print("{:<22} {:<28} {}\n", term.name,
+               bound_text(term.bound, plan.scale[term.quantity], term.quantity),
+               reduction::name(term.quantity));
+}
+
 void print_all(const PerQuantity& bound, const Plan& plan) {
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
@@ -59,16 +89,16 @@ void print_all(const PerQuantity& bound, const Plan& plan) {
 void print_table(const Scene& scene, const Plan& plan, double tolerance, const Costs& costs, bool all) {
   fmt::print("{}: what may be left out if no number is to change by more than {}\n\n", scene.name,
              tolerance_text(tolerance));
-  fmt::print("{:<22} {:<28} {:<18} {:<8} {:>9}\n", "effect", "changes by at most", "of", "", "cost, us");
+  fmt::print("{:<22} {:<28} {:<18} {:<9} {:>9}\n", "effect", "changes by at most", "of", "", "cost, us");
   for (const PlannedEffect& e : plan.effects) {
     if (!e.present) {
-      fmt::print("{:<22} {:<28} {:<18} {:<8} {:>9}\n", name(e.effect), "-", "", "absent", "-");
+      fmt::print("{:<22} {:<28} {:<18} {:<9} {:>9}\n", name(e.effect), "-", "", "absent", "-");
       continue;
     }
     const bool none = e.bound.all_zero();
-    fmt::print("{:<22} {:<28} {:<18} {:<8} {:>9.1f}\n", name(e.effect),
+    fmt::print("{:<22} {:<28} {:<18} {:<9} {:>9.1f}\n", name(e.effect),
                bound_text(e.bound[e.worst], plan.scale[e.worst], e.worst),
-               none ? std::string_view{} : reduction::name(e.worst), e.needed ? "needed" : "left out",
+               none ? std::string_view{} : reduction::name(e.worst), status(e),
                costs.effect_us[static_cast<std::size_t>(e.effect)]);
     if (all) print_all(e.bound, plan);
   }
@@ -78,7 +108,9 @@ void print_table(const Scene& scene, const Plan& plan, double tolerance, const C
     fmt::print("all that is left out\n");
     print_all(plan.left_out, plan);
   }
-  fmt::print("\na shot takes {:.0f} us as planned, {:.0f} us with everything: {:.2f} times as fast\n",
+  print_unmodelled(scene, plan);
+  print_claims(plan);
+  fmt::print("a shot takes {:.0f} us as planned, {:.0f} us with everything: {:.2f} times as fast\n",
              costs.planned_us, costs.full_us, costs.full_us / costs.planned_us);
   if (!plan.warning.empty()) fmt::print("nothing that displaces an image may go: {}\n", plan.warning);
 }
@@ -93,9 +125,30 @@ json per_readout(const PerQuantity& values) {
   return object;
 }
 
+json sampled_json(const Plan& plan) {
+  if (!plan.sampled) return nullptr;
+  return {{"shots", plan.sampled->shots},
+          {"beyond", 0},
+          {"confidence", kConfidence},
+          {"share_below", plan.sampled->share},
+          {"allowed", per_readout(plan.sampled->allowed)},
+          {"largest", per_readout(plan.sampled->largest)}};
+}
+
+json unmodelled_json(const Scene& scene, const Plan& plan) {
+  json all = json::array();
+  for (const UnmodelledTerm& term : unmodelled_terms(scene))
+    all.push_back({{"term", term.name},
+                   {"quantity", reduction::name(term.quantity)},
+                   {"bound", term.bound},
+                   {"share", term.bound / plan.scale[term.quantity]}});
+  return all;
+}
+
 void print_json(const Scene& scene, const Plan& plan, double tolerance, const Costs& costs) {
   for (const PlannedEffect& e : plan.effects) {
     json line = {{"effect", name(e.effect)}, {"present", e.present}, {"needed", e.needed}};
+    line["status"] = status(e);
     line["worst"] = e.bound.all_zero() ? json(nullptr) : json(reduction::name(e.worst));
     line["bound"] = per_readout(e.bound);
     line["cost_us"] = costs.effect_us[static_cast<std::size_t>(e.effect)];
@@ -110,7 +163,10 @@ void print_json(const Scene& scene, const Plan& plan, double tolerance, const Co
                         {"tolerances", per_readout(plan.tolerance)},
                         {"left_out", per_readout(plan.left_out)},
                         {"images_come_and_go", per_readout(plan.threshold_steps)},
-                        {"warning", plan.warning}};
+                        {"warning", plan.warning},
+                        {"contact_tolerance", plan.model.contact_tolerance()},
+                        {"sampled", sampled_json(plan)},
+                        {"no_model_has", unmodelled_json(scene, plan)}};
   fmt::print("{}\n", summary.dump());
 }
 

@@ -22,6 +22,11 @@ Result<double> pulse_length_s(impact::PulseInput input, double vy_lo_mps, double
   return dwell_s / (1.0 + still_flattened_mps / vy_lo_mps);
 }
 
+double weight_along_mps2(const Scene& scene) {
+  return scene.surface_angle_rad == 0.0 ? 0.0
+                                        : -flight::kStandardGravity_mps2 * std::sin(scene.surface_angle_rad);
+}
+
 impact::ContactCoefficients ode_coefficients(const Scene& scene, const ShotConditions& thrown,
                                              const Model& model, const impact::NormalSpring& unit) {
   impact::ContactCoefficients c;
@@ -32,10 +37,14 @@ impact::ContactCoefficients ode_coefficients(const Scene& scene, const ShotCondi
   c.stiffness_ratio = thrown.stiffness_ratio;
   c.damping_ratio = scene.bounce.damping_ratio;
   c.offset_share = model.has(Effect::offset) ? thrown.offset_share : 0.0;
-  c.gravity_mps2 = model.has(Effect::contact_gravity)
-                       ? std::max(0.0, flight::kStandardGravity_mps2 * std::cos(scene.surface_angle_rad))
-                       : 0.0;
+  if (!model.has(Effect::contact_gravity)) return c;
+  c.gravity_mps2 = std::max(0.0, flight::kStandardGravity_mps2 * std::cos(scene.surface_angle_rad));
+  c.gravity_along_mps2 = weight_along_mps2(scene);
   return c;
+}
+
+impact::ContactOptions contact_options(const Model& model) {
+  return {.method = impact::ContactMethod::collocation, .tolerance = model.contact_tolerance()};
 }
 
 struct OdeInput {
@@ -52,7 +61,8 @@ Result<OdeInput> ode_input(const Scene& scene, const ShotConditions& thrown, con
 
 /// From release, moving freely, to the centre at R.
 Result<LiftOff> rise(const Scene& scene, const impact::Motion& td, const impact::ContactLiftOff& release,
-                     double depth_m, double gravity_mps2) {
+                     double depth_m, const impact::ContactCoefficients& coefficients) {
+  const double gravity_mps2 = coefficients.gravity_mps2, along_mps2 = coefficients.gravity_along_mps2;
   LiftOff end;
   impact::Motion& lo = end.rebound.lift_off;
   lo = release.lift_off;
@@ -63,7 +73,8 @@ Result<LiftOff> rise(const Scene& scene, const impact::Motion& td, const impact:
   const double release_mps = release.lift_off.vy_mps;
   end.impulse_factor = (release_mps - td.vy_mps + gravity_mps2 * release.dwell_s) / (lo.vy_mps - td.vy_mps);
   end.dwell_s = release.dwell_s + free_s;
-  end.displacement_m = release.dwell_distance_m + lo.vx_mps * free_s;
+  end.displacement_m = release.dwell_distance_m + (lo.vx_mps + 0.5 * along_mps2 * free_s) * free_s;
+  lo.vx_mps += along_mps2 * free_s;
   end.rotation_rad = release.rotation_rad + lo.omega_radps * free_s;
   const double radius = scene.ball.radius_m();
   const double impulse = lo.vy_mps - td.vy_mps;
@@ -71,15 +82,15 @@ Result<LiftOff> rise(const Scene& scene, const impact::Motion& td, const impact:
   end.rebound.slip_lo_mps = lo.vx_mps + radius * lo.omega_radps;
   end.rebound.impulse_ratio = (td.vx_mps - lo.vx_mps) / impulse;
   end.rebound.offset_m = (scene.ball.alpha * radius * radius * (lo.omega_radps - td.omega_radps) -
-                          radius * (lo.vx_mps - td.vx_mps)) /
+                          radius * (lo.vx_mps - td.vx_mps - along_mps2 * end.dwell_s)) /
                          impulse;
   return end;
 }
 
 /// Friction against the slip as far as `mu` allows, up to what leaves -ex times the slip; a normal force
-/// `offset_m` ahead of the centre.
+/// `offset_m` ahead of the centre; a weight along the surface that adds `pull_mps` to vx.
 impact::Rebound algebraic(const ball::Ball& ball, const impact::Motion& td, double e, double mu,
-                          double offset_m, std::optional<double> ex) {
+                          double offset_m, std::optional<double> ex, double pull_mps) {
   const double radius = ball.radius_m();
   const double impulse = (1.0 + e) * std::abs(td.vy_mps);
   const double slip = td.vx_mps + radius * td.omega_radps;
@@ -87,14 +98,14 @@ impact::Rebound algebraic(const ball::Ball& ball, const impact::Motion& td, doub
   impact::Rebound out;
   double dvx = slip == 0.0 ? 0.0 : -std::copysign(mu * impulse, slip);
   if (ex) {
-    const double gripping = -((1.0 + *ex) * slip + couple) / (1.0 + 1.0 / ball.alpha);
+    const double gripping = -((1.0 + *ex) * slip + couple + pull_mps) / (1.0 + 1.0 / ball.alpha);
     out.regime = std::abs(gripping) <= mu * impulse ? Regime::grips : Regime::slides;
     dvx = std::clamp(gripping, -mu * impulse, mu * impulse);
   }
-  out.lift_off = {td.vx_mps + dvx, e * std::abs(td.vy_mps),
+  out.lift_off = {td.vx_mps + (dvx + pull_mps), e * std::abs(td.vy_mps),
                   td.omega_radps + (dvx / ball.alpha + couple) / radius};
   out.slip_lo_mps = out.lift_off.vx_mps + radius * out.lift_off.omega_radps;
-  out.impulse_ratio = -dvx / impulse;
+  out.impulse_ratio = -(dvx + pull_mps) / impulse;
   out.offset_m = offset_m;
   return out;
 }
@@ -105,9 +116,10 @@ Result<LiftOff> reduced_lift_off(const Scene& scene, const ShotConditions& throw
   const double offset = mean_share > 0.0 ? c.offset_m * thrown.offset_share / mean_share : c.offset_m;
   const double e = std::min(1.0, c.e_factor * thrown.coefficients.e);
   LiftOff end;
-  end.rebound = algebraic(scene.ball, thrown.touchdown, e, c.impulse_factor * thrown.coefficients.mu, offset,
-                          model.has(Effect::grip) ? std::optional(c.ex) : std::nullopt);
   end.dwell_s = c.dwell_factor * thrown.dwell_s;
+  const double pull_mps = model.has(Effect::contact_gravity) ? weight_along_mps2(scene) * end.dwell_s : 0.0;
+  end.rebound = algebraic(scene.ball, thrown.touchdown, e, c.impulse_factor * thrown.coefficients.mu, offset,
+                          model.has(Effect::grip) ? std::optional(c.ex) : std::nullopt, pull_mps);
   const auto plain = SinePath::make(scene, thrown.touchdown, end);
   if (!plain) return tl::unexpected(plain.error());
   const LiftOff sine = plain->plain_end();
@@ -124,9 +136,9 @@ Result<LiftOff> grip_lift_off(const Scene& scene, const ShotConditions& thrown, 
   const auto rebound = impact::grip(scene.ball, thrown.touchdown, c);
   if (!rebound) return refused(rebound.error());
   LiftOff end;
-  end.rebound = model.has(Effect::grip)
-                    ? *rebound
-                    : algebraic(scene.ball, thrown.touchdown, c.e, c.mu, rebound->offset_m, std::nullopt);
+  end.rebound = model.has(Effect::grip) ? *rebound
+                                        : algebraic(scene.ball, thrown.touchdown, c.e, c.mu,
+                                                    rebound->offset_m, std::nullopt, 0.0);
   end.dwell_s = thrown.dwell_s;
   const auto plain = SinePath::make(scene, thrown.touchdown, end);
   if (!plain) return tl::unexpected(plain.error());
@@ -150,10 +162,11 @@ bool needs_calibration(const Scene& scene, const Model& model) {
 Result<LiftOff> ode_lift_off(const Scene& scene, const ShotConditions& thrown, const Model& model) {
   const auto input = ode_input(scene, thrown, model);
   if (!input) return tl::unexpected(input.error());
-  const auto release = impact::lift_off(scene.ball, thrown.touchdown, input->coefficients);
+  const auto release =
+      impact::lift_off(scene.ball, thrown.touchdown, input->coefficients, contact_options(model));
   if (!release) return refused(release.error());
   return rise(scene, thrown.touchdown, *release, input->still_compressed_s * release->lift_off.vy_mps,
-              input->coefficients.gravity_mps2);
+              input->coefficients);
 }
 
 Result<ReducedContact> calibrate(const Scene& scene, const Model& model) {
@@ -245,13 +258,15 @@ Result<ContactPath> ContactPath::by_ode(const Scene& scene, const ShotConditions
                                         const Model& model) {
   const auto input = ode_input(scene, thrown, model);
   if (!input) return tl::unexpected(input.error());
-  auto ode = impact::ContactCourse::make(scene.ball, thrown.touchdown, input->coefficients);
+  auto ode =
+      impact::ContactCourse::make(scene.ball, thrown.touchdown, input->coefficients, contact_options(model));
   if (!ode) return refused(ode.error());
   const impact::ContactLiftOff& release = ode->lift_off();
   ContactPath path;
   path.release_ = {release.dwell_s, release.lift_off.vy_mps,
-                   input->still_compressed_s * release.lift_off.vy_mps, input->coefficients.gravity_mps2};
-  const auto end = rise(scene, thrown.touchdown, release, path.release_.depth_m, path.release_.gravity_mps2);
+                   input->still_compressed_s * release.lift_off.vy_mps, input->coefficients.gravity_mps2,
+                   input->coefficients.gravity_along_mps2};
+  const auto end = rise(scene, thrown.touchdown, release, path.release_.depth_m, input->coefficients);
   if (!end) return tl::unexpected(end.error());
   path.end_ = *end;
   path.ode_ = std::move(*ode);
@@ -284,9 +299,9 @@ ContactPath::State ContactPath::ode_at(double time_s) const {
   const double left_s = end_.dwell_s - time_s;
   const double free_s = time_s - release_.time_s;
   const double drop = release_.depth_m - free_s * (release_.vy_mps - 0.5 * release_.gravity_mps2 * free_s);
-  return {end_.displacement_m - lo.vx_mps * left_s,
+  return {end_.displacement_m - (lo.vx_mps - 0.5 * release_.along_mps2 * left_s) * left_s,
           std::max(0.0, drop),
-          lo.vx_mps,
+          lo.vx_mps - release_.along_mps2 * left_s,
           release_.vy_mps - release_.gravity_mps2 * free_s,
           lo.omega_radps,
           end_.rotation_rad - lo.omega_radps * left_s};

@@ -12,8 +12,8 @@
 //
 // Each further effect needs the ones before it, so that those marked (nothing) are without one.
 //   offset           off: the normal force stands under the centre
-//   contact_gravity  off: no weight in contact. On: the weight's part along the normal only. (The part along
-//                    an inclined plate, at most g·dwell = .05 m/s, is in no model of the contact.)
+//   contact_gravity  off: no weight in contact. On: both parts of it, that towards the surface and that along an
+//                    inclined plate, which changes vx by up to g·dwell·sin(angle): .01 m/s at 12 degrees.
 //
 // The ODE's ball is released where its normal force is zero, the spring still compressed by
 // y = 2·zeta·v/w (v: release speed, w = sqrt(k/m)), and then moves freely until its centre is at R: without
@@ -27,7 +27,8 @@
 // differs from it as balls differ.
 //
 // A scene whose law is `grip`: common/impact's grip() and the damped sine; only grip and offset can be left
-// out of it. (The sine's net force has the weight in it, and nothing of the ODE is there to leave out.)
+// out of it. (The sine's net force has the weight towards the surface in it, and nothing of the ODE is there to
+// leave out; sim/plan/unmodelled.hpp bounds the weight's part along an inclined plate.)
 //
 // Plain values, thread-safe. Only the ODE's path allocates.
 #pragma once
@@ -127,6 +128,7 @@ class ContactPath {
     double vy_mps = 0.0;
     double depth_m = 0.0;
     double gravity_mps2 = 0.0;
+    double along_mps2 = 0.0;
   };
 
   ContactPath() = default;

@@ -107,6 +107,17 @@ std::string explanation(const ChosenPlan& chosen) {
     text += fmt::format("; all together change {} by at most {:.2g}%", reduction::name(most),
                         percent(plan.left_out, plan.scale, most));
   }
+  if (plan.model.contact_tolerance() != kFullContactTolerance)
+    text += fmt::format("; the contact is solved to {:.0e}", plan.model.contact_tolerance());
+  if (plan.sampled) {
+    const reduction::Quantity most = worst(plan.sampled->largest, plan.tolerance);
+    text += fmt::format(
+        "; in {} sampled shots {} changes most, by {:.2g}%: with {:.0f}% confidence fewer than {:.2g}% of "
+        "shots change "
+        "a number by more than half of what is allowed",
+        plan.sampled->shots, reduction::name(most), percent(plan.sampled->largest, plan.scale, most),
+        100.0 * kConfidence, 100.0 * plan.sampled->share);
+  }
   if (!plan.warning.empty()) text += "; " + plan.warning;
   return text;
 }

@@ -1,16 +1,36 @@
 #include "sim/plan/plan.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace strobe::sim {
 
 namespace {
 
-bool within(const PerQuantity& bound, const PerQuantity& tolerance) {
-  for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
-    if (!(bound[q] <= tolerance[q])) return false;
+/// What sampled shots may change.
+PerQuantity allowed_of_samples(PerQuantity tolerance) {
+  for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) tolerance[q] *= kSampledPart;
+  return tolerance;
+}
+
+/// Whether solving the contact less finely saves anything.
+bool has_mechanics(const Scene& scene, const Model& model) {
+  return scene.bounce.contact == ContactLaw::ode && model.has(Effect::grip);
+}
+
+/// Takes the model with the coarsest contact that sampled shots allow, or none.
+std::optional<Model> allowed_by_samples(SceneBounds& bounds, const Model& wanted, Plan& plan) {
+  const PerQuantity allowed = allowed_of_samples(plan.tolerance);
+  for (const double contact_tolerance : kContactLadder) {
+    const bool full = contact_tolerance == kFullContactTolerance;
+    if (!full && !has_mechanics(bounds.scene(), wanted)) continue;
+    const Model model = wanted.with_contact_tolerance(contact_tolerance);
+    const auto largest = bounds.samples().largest_change(model, allowed);
+    if (!largest) continue;
+    plan.sampled = SampledClaim{.share = sampled_share(), .allowed = allowed, .largest = *largest};
+    return model;
   }
-  return true;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -39,13 +59,15 @@ Plan plan(SceneBounds& bounds, const PerQuantity& tolerance) {
     planned.present = bounds.present(planned.effect);
     if (planned.present) planned.bound = bounds.of(planned.effect);
     planned.worst = worst(planned.bound, tolerance);
-    if (planned.bound.all_zero()) result.model = result.model.without(planned.effect);
+    if (!planned.present) result.model = result.model.without(planned.effect);
   }
-  for (const Effect effect : kByCost) {
-    if (!result.model.has(effect)) continue;
-    const Model without = result.model.without(effect);
-    if (within(bounds.of(without), tolerance)) result.model = without;
+  Model wanted = result.model;
+  for (const Effect effect : kDecidedByBounds) {
+    if (wanted.has(effect) && within(bounds.of(wanted.without(effect)), tolerance))
+      wanted = wanted.without(effect);
   }
+  wanted = wanted.without(Effect::pixels);
+  if (const auto allowed = allowed_by_samples(bounds, wanted, result)) result.model = *allowed;
   for (PlannedEffect& planned : result.effects) planned.needed = result.model.has(planned.effect);
   result.left_out = bounds.of(result.model);
   return result;

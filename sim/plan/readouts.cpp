@@ -39,6 +39,12 @@ bool PerQuantity::all_zero() const {
   return std::ranges::all_of(values_, [](double value) { return value == 0.0; });
 }
 
+bool within(const PerQuantity& change, const PerQuantity& allowed) {
+  for (std::size_t q = 0; q < reduction::kQuantityCount; ++q)
+    if (!(change[q] <= allowed[q])) return false;
+  return true;
+}
+
 PerQuantity difference(const reduction::Quantities& a, const reduction::Quantities& b) {
   PerQuantity result;
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {

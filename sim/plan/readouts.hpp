@@ -29,6 +29,9 @@ class PerQuantity {
   std::array<double, reduction::kQuantityCount> values_{};
 };
 
+/// Whether no number changes by more than is allowed.
+bool within(const PerQuantity& change, const PerQuantity& allowed);
+
 /// |a - b|; infinite if only one is absent.
 PerQuantity difference(const reduction::Quantities& a, const reduction::Quantities& b);
 

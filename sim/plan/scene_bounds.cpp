@@ -241,7 +241,7 @@ class CornerStudy {
 }  // namespace
 
 SceneBounds::SceneBounds(const Scene& scene, const ShootSettings& settings)
-    : scene_(scene), contact_(scene, settings) {
+    : scene_(scene), contact_(scene, settings), samples_(scene, settings) {
   present_ = effects_of(scene);
   measure(settings);
   look_for_warnings(settings);

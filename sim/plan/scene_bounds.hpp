@@ -35,6 +35,7 @@
 
 #include "sim/plan/contact_bounds.hpp"
 #include "sim/plan/readouts.hpp"
+#include "sim/plan/sampled_shots.hpp"
 #include "sim/scene/model.hpp"
 #include "sim/scene/scene.hpp"
 #include "sim/shoot/shoot.hpp"
@@ -65,6 +66,9 @@ class SceneBounds {
   /// Why threshold_steps() is infinite, as text; empty unless the reason holds for all quantities.
   const std::string& warning() const { return warning_; }
 
+  /// Shots of the scene, to compare models by.
+  SampledShots& samples() { return samples_; }
+
   const Scene& scene() const { return scene_; }
 
  private:
@@ -77,6 +81,7 @@ class SceneBounds {
   std::array<PerQuantity, kEffectCount> images_{};
   std::array<double, kEffectCount> passing_{};  ///< how many images each may carry past a threshold
   ContactBounds contact_;
+  SampledShots samples_;
   PerQuantity threshold_steps_;
   double least_dwell_ms_ = std::numeric_limits<double>::infinity();
   PerQuantity one_stamp_;  ///< of one image's time by the sensors' jitter

@@ -1,4 +1,4 @@
-// Which effects a simulation computes. The full model has all that the scene has; a planned one
+// Which effects a simulation computes, and how exactly the contact. The full model has all that the scene has; a planned one
 // (sim/plan) leaves out those that cannot change a readout by more than is tolerated. Plain values.
 #pragma once
 
@@ -14,7 +14,7 @@ enum class Effect {
   drag,             ///< in flight
   magnus,           ///< in flight
   spin_decay,       ///< in flight
-  contact_gravity,  ///< the weight during contact
+  contact_gravity,  ///< the weight during contact, along an inclined plate and towards it
   grip,             ///< the contact point may come to a stop; without it friction is at its limit throughout
   offset,           ///< the normal force stands ahead of the centre
   tangential_compliance,  ///< grip and slip of the tangential spring; without it one number, e_x
@@ -46,6 +46,9 @@ constexpr std::optional<Effect> effect_from_name(std::string_view text) {
   return std::nullopt;
 }
 
+/// Tolerance to which the full model solves the contact's mechanics.
+inline constexpr double kFullContactTolerance = 1e-9;
+
 class Model {
  public:
   static Model full() { return Model(std::bitset<kEffectCount>().set()); }
@@ -58,11 +61,20 @@ class Model {
     return other;
   }
   Model without(Effect effect) const { return with(effect, false); }
+
+  /// How exactly the contact's mechanics are solved: 1e-12…1e-3, as impact::ContactOptions has it.
+  double contact_tolerance() const { return contact_tolerance_; }
+  Model with_contact_tolerance(double tolerance) const {
+    Model other = *this;
+    other.contact_tolerance_ = tolerance;
+    return other;
+  }
   bool operator==(const Model&) const = default;
 
  private:
   explicit Model(std::bitset<kEffectCount> effects) : effects_(effects) {}
   std::bitset<kEffectCount> effects_;
+  double contact_tolerance_ = kFullContactTolerance;
 };
 
 }  // namespace strobe::sim

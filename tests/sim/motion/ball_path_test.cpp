@@ -147,15 +147,17 @@ TEST(BallPath, MeetsTheSurfaceAsOftenAsTheSceneSays) {
 }
 
 TEST(BallPath, TurnsFrictionIntoSpinByTheMomentEquation) {
-  // alpha·R²·Δomega = R·Δvx + d·J with the offset that acted.
+  // alpha·R²·Δomega = R·Δvx + d·J with the offset that acted, Δvx being friction's; the ODE has the weight along the
+  // plate besides.
   for_many_balls([](const Scene& scene, const ShotConditions& thrown, const BallPath& path) {
     const impact::Motion& td = thrown.touchdown;
     const impact::Motion& lo = path.rebound().lift_off;
     const double r = scene.ball.radius_m(), impulse = lo.vy_mps - td.vy_mps;
-    DOUBLES_EQUAL(scene.ball.alpha * r * r * (lo.omega_radps - td.omega_radps),
-                  r * (lo.vx_mps - td.vx_mps) + path.rebound().offset_m * impulse, 1e-12);
-    // The weight makes the contact deeper and so takes a little more, in the ODE's law.
     const bool ode = scene.bounce.contact == ContactLaw::ode;
+    const double pull_mps = ode ? -9.80665 * std::sin(scene.surface_angle_rad) * path.dwell_s() : 0.0;
+    DOUBLES_EQUAL(scene.ball.alpha * r * r * (lo.omega_radps - td.omega_radps),
+                  r * (lo.vx_mps - td.vx_mps - pull_mps) + path.rebound().offset_m * impulse, 1e-12);
+    // The weight makes the contact deeper and so takes a little more, in the ODE's law.
     DOUBLES_EQUAL(-thrown.coefficients.e * td.vy_mps, lo.vy_mps, ode ? 0.01 : 1e-12);
   });
 }

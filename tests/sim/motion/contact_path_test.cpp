@@ -209,3 +209,45 @@ TEST(ContactPath, LeavesTheGripLawAloneButForGripAndOffset) {
   DOUBLES_EQUAL(thrown.coefficients.mu,
                 course_of(scene, 2, none.without(Effect::grip)).lift_off().rebound.impulse_ratio, 1e-12);
 }
+
+namespace {
+
+Scene inclined_scene() {
+  Scene scene = spread_scene(35.0, 120.0);
+  scene.surface_angle_rad = 12.0 * std::numbers::pi / 180.0;
+  return scene;
+}
+
+}  // namespace
+
+// Without friction nothing but the weight acts along the plate.
+TEST(ContactPath, OnAnInclinedPlateTheWeightActsAlongItToo) {
+  Scene scene = inclined_scene();
+  scene.bounce.mu = scene.bounce.mu_sd = 0.0;
+  const double along_mps2 = -kGravity_mps2 * std::sin(scene.surface_angle_rad);
+  for (const Model& model : {Model::full(), kNoOde, kReduced}) {
+    const ShotConditions thrown = draw_shot_conditions(scene, 4, 1);
+    const ContactPath with = course_of(scene, 1, model);
+    const double vx_mps = with.lift_off().rebound.lift_off.vx_mps;
+    DOUBLES_EQUAL(thrown.touchdown.vx_mps + along_mps2 * with.lift_off().dwell_s, vx_mps, 1e-9);
+    const ContactPath without = course_of(scene, 1, model.without(Effect::contact_gravity));
+    DOUBLES_EQUAL(thrown.touchdown.vx_mps, without.lift_off().rebound.lift_off.vx_mps, 1e-9);
+  }
+}
+
+TEST(ContactPath, OnAnInclinedPlateMovesAsItsVelocitiesSayUpToItsLiftOff) {
+  constexpr double h = 1e-6;  // as above
+  for (const Model& model : kModels) {
+    const ContactPath course = course_of(inclined_scene(), 2, model);
+    const LiftOff& lift_off = course.lift_off();
+    for (int i = 1; i < 60; ++i) {
+      const double t = lift_off.dwell_s * i / 60.0;
+      const auto a = course.at(t - h), b = course.at(t + h), s = course.at(t);
+      DOUBLES_EQUAL(s.vx_mps, (b.displacement_m - a.displacement_m) / (2 * h), 5e-3);
+      DOUBLES_EQUAL(s.omega_radps, (b.rotation_rad - a.rotation_rad) / (2 * h), 0.3);
+    }
+    const auto end = course.at(lift_off.dwell_s);
+    DOUBLES_EQUAL(lift_off.displacement_m, end.displacement_m, 1e-12);
+    DOUBLES_EQUAL(lift_off.rebound.lift_off.vx_mps, end.vx_mps, 1e-11);
+  }
+}

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -27,7 +29,24 @@ struct Options {
   int threads = 2;
   std::vector<std::string> tolerances{"0.01%", "0.1%", "1%", "5%"};
   bool each_effect = false;
+  std::string scenes_folder;  ///< empty: not written
 };
+
+/// As a file that strobe-sim reads; its first line says the flashes' period. Returns false if it cannot be written.
+bool write_scenes(const Options& options) {
+  std::filesystem::create_directories(options.scenes_folder);
+  for (int i = 0; i < options.scenes; ++i) {
+    const auto random = test::random_scene(options.first + static_cast<std::uint64_t>(i));
+    const auto path = std::filesystem::path(options.scenes_folder) / (random.scene.name + ".toml");
+    std::ofstream file(path);
+    file << test::as_toml(random);
+    if (!file.flush()) {
+      fmt::print(stderr, "strobe-bench: {}: cannot be written\n", path.string());
+      return false;
+    }
+  }
+  return true;
+}
 
 /// Of the thread itself, so that a busy machine does not count.
 double processor_s() {
@@ -117,6 +136,7 @@ int study(const Options& options) {
     }
     tolerances.push_back(*tolerance);
   }
+  if (!options.scenes_folder.empty()) return write_scenes(options) ? 0 : 2;
   Findings findings(tolerances);
   std::atomic<int> next = 0;
   const auto work = [&] {
@@ -158,6 +178,8 @@ void add_plan_command(CLI::App& app, int& exit_status) {
   plan->add_option("--threads", options->threads, "")->capture_default_str()->check(CLI::Range(1, 256));
   plan->add_option("--tolerances", options->tolerances, "As percentages or numbers")->capture_default_str();
   plan->add_flag("--each-effect", options->each_effect, "Hold each effect's bound against it as well");
+  plan->add_option("--write-scenes", options->scenes_folder,
+                   "Write the scenes to this folder instead, for strobe-sim plan");
   plan->callback([options, &exit_status] { exit_status = study(*options); });
 }
 
