@@ -4,7 +4,8 @@
 // Along a segment the derivative d of the couple's rate, D' = G·h(w), is the only unknown:
 //   d = G·h'(w)·dw + dG·h(w) + G·dh,   dw = dw0 + (dD + dP)/alpha + ..., dD the integral of d,
 // and slipping dP is known, gripping it follows from d by variation of constants, as the motion itself does. At the nodes
-// of the segment this is a linear system with one matrix for all inputs.
+// of the segment this is a linear system, M·d = r, with one matrix for all inputs. Of d only sums at the segment's end are
+// asked for, weights·d: the transposed system gives the weights of r, four of them for however many inputs.
 //
 // At an event the friction is equal under both laws, and so is the motion's derivative. A segment that ends `late` after
 // its event carries the old law's derivatives too far, which is put right to the square of that.
@@ -34,6 +35,11 @@ enum SystemInput : std::size_t {
 
 using Partials = std::array<double, kSystemInputs>;
 
+template <std::size_t n>
+inline void add(std::array<double, n>& to, const std::array<double, n>& what, double times) {
+  for (std::size_t k = 0; k < n; ++k) to[k] += times * what[k];
+}
+
 struct TangentialPartials {
   alignas(16) Partials couple{};
   alignas(16) Partials friction{};
@@ -57,21 +63,27 @@ class VariationalEquations {
 
  private:
   using Nodes = std::array<double, kMaxNodes>;
-  using Rows = std::array<Partials, kMaxNodes>;
+  /// What is asked for at a segment's end: the couple's impulse since its start, that integrated over time, and gripping
+  /// the two integrals of variation of constants.
+  enum End : std::size_t { kImpulse, kOverTime, kCosine, kSine, kEnds };
+  using Ends = std::array<double, kEnds>;
 
   void place_nodes(const Segment& segment);
   void place_couple(std::size_t i, const NodeSample& sample, const NormalState& normal);
-  void place_slip(const Segment& segment);
   /// The start of a grip as its closed form has it, and the constants of its oscillation.
   struct GripStart {
     Partials first{}, second{}, rest{}, b{}, omega2{};
   };
   GripStart start_of_grip(const Segment& segment) const;
-  void place_grip(const Segment& segment);
+  void weigh_nodes(bool grips);
+  void solve_slip(const Segment& segment);
+  void solve_grip(const Segment& segment, const GripStart& start);
   void solve();
-  Partials couple_integral(double elapsed) const;
+  void sum(const Partials& what, const Ends& times);
+  void sum(SystemInput input, const Ends& times);
+  void sum_given();
   void finish_slip(const Segment& segment);
-  void finish_grip(const Segment& segment);
+  void finish_grip(const Segment& segment, const GripStart& start);
 
   Partials slip_of(const TangentialPartials& at, double tau, double spin) const;
   Partials slipping_stretch(const NormalState& normal, const NormalPartials& by, double sign) const;
@@ -95,8 +107,13 @@ class VariationalEquations {
   Nodes tau_, pace_;
   Nodes of_spin_;  ///< of the couple's rate times pace
   std::array<NormalPartials, kMaxNodes> by_;
-  std::array<Nodes, kMaxNodes> matrix_;
-  alignas(16) Rows rows_;  ///< right-hand sides, then the couple's rates times pace
+  struct Given {
+    double zeta, gravity, radius, delta, reference;
+  };
+  std::array<Given, kMaxNodes> given_;   ///< derivatives of the couple's rate times pace, the spin kept
+  std::array<Nodes, kMaxNodes> matrix_;  ///< transposed
+  alignas(16) std::array<Ends, kMaxNodes> weights_;  ///< of the nodes in each end
+  std::array<Partials, kEnds> ends_;
   // Gripping: weights of the two integrals, and what drives them besides the couple.
   Nodes to_cosine_, to_sine_;
   struct Forcing {

@@ -247,7 +247,7 @@ TEST(ContactSensitivity, TheContactIsThatOfLiftOff) {
 // 1e-3 an event is known to some 3 % of the contact, and what that leaves of the derivatives may be a few times as much.
 TEST(ContactSensitivity, KeepsItsToleranceAgainst50DigitsOverTheWholeRangeAndWhereNumbersAreHard) {
   const char* asked = std::getenv("STROBE_CONTACT_DRAWS");
-  const int count = asked ? std::atoi(asked) : repetitions(8);
+  const int count = asked ? std::atoi(asked) : repetitions(5);
   ContactDraws draws(20261126);
   std::array<double, 4> worst{};
   int differences = 0;
