@@ -130,6 +130,7 @@ std::vector<std::size_t> ranked(const LeastSquaresProblem& problem, const std::v
 }  // namespace
 
 MatrixXd jacobian(const LeastSquaresProblem& problem, const VectorXd& at) {
+  if (problem.derivatives) return problem.derivatives(at);
   MatrixXd out(problem.residuals(at).size(), at.size());
   for (Index i = 0; i < at.size(); ++i) out.col(i) = derivative(problem, at, i);
   return out;
@@ -144,14 +145,20 @@ LeastSquaresResult levenberg_marquardt(const LeastSquaresProblem& problem, const
   return now;
 }
 
-LeastSquaresResult minimize(const LeastSquaresProblem& problem, const VectorXd& first,
-                            const std::vector<VectorXd>& candidates, std::size_t tries) {
+LeastSquaresResult minimize_smooth(const LeastSquaresProblem& problem, const VectorXd& first,
+                                   const std::vector<VectorXd>& candidates, std::size_t tries) {
   LeastSquaresResult best = levenberg_marquardt(problem, first);
   const std::vector<std::size_t> order = ranked(problem, candidates);
   for (std::size_t k = 0; k < std::min(tries, order.size()); ++k) {
     const LeastSquaresResult other = levenberg_marquardt(problem, candidates[order[k]]);
     if (other.sum_of_squares < best.sum_of_squares) best = other;
   }
+  return best;
+}
+
+LeastSquaresResult minimize(const LeastSquaresProblem& problem, const VectorXd& first,
+                            const std::vector<VectorXd>& candidates, std::size_t tries) {
+  const LeastSquaresResult best = minimize_smooth(problem, first, candidates, tries);
   const LeastSquaresResult found = search_axes(problem, best);
   if (!(found.sum_of_squares < best.sum_of_squares)) return best;
   return levenberg_marquardt(problem, found.parameters);

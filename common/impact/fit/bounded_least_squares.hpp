@@ -13,6 +13,8 @@ namespace strobe::impact {
 struct LeastSquaresProblem {
   /// Residuals at parameters within the bounds; always of the same length.
   std::function<Eigen::VectorXd(const Eigen::VectorXd&)> residuals;
+  /// Their derivatives, a column for each parameter; by finite differences where empty.
+  std::function<Eigen::MatrixXd(const Eigen::VectorXd&)> derivatives{};
   Eigen::VectorXd lower;  ///< finite, below `upper`
   Eigen::VectorXd upper;
   /// > 0: a significant change of each parameter, for finite differences and searches.
@@ -25,7 +27,7 @@ struct LeastSquaresProblem {
   double function_tolerance = 0.0;
 };
 
-/// Jacobian by finite differences: central, or three-point one-sided within a step of a bound. About 1e-10
+/// The Jacobian, where the problem has no derivatives by finite differences: central, or three-point one-sided within a step of a bound. About 1e-10
 /// relative where the residuals are smooth and in full double precision.
 Eigen::MatrixXd jacobian(const LeastSquaresProblem& problem, const Eigen::VectorXd& at);
 
@@ -44,6 +46,10 @@ LeastSquaresResult levenberg_marquardt(const LeastSquaresProblem& problem, const
 /// start.
 LeastSquaresResult minimize(const LeastSquaresProblem& problem, const Eigen::VectorXd& first,
                             const std::vector<Eigen::VectorXd>& candidates, std::size_t tries);
+
+/// Likewise for residuals without kinks: no search along the axes.
+LeastSquaresResult minimize_smooth(const LeastSquaresProblem& problem, const Eigen::VectorXd& first,
+                                   const std::vector<Eigen::VectorXd>& candidates, std::size_t tries);
 
 /// (JᵀJ)⁻¹, the covariance for residuals of unit variance, by QR of J with its columns scaled to unit length.
 /// Returns nullopt if J is rank-deficient: fewer rows than columns, a column that is zero or not finite, or

@@ -16,7 +16,7 @@ Comparison compare_one(const Observation& o, ReboundModel model, const Parameter
   const double radius = 0.5 * diameter_m;
   const InputCovariance inputs = input_covariance(model, parameters, diameter_m, o);
   Comparison out;
-  out.predicted = *rebound_of(model, parameters, diameter_m, o.touchdown, o.e);
+  out.predicted = *rebound_of(model, parameters, diameter_m, inputs_of(o));
   out.vx_residual_mps = o.lift_off.vx_mps - out.predicted.lift_off.vx_mps;
   out.omega_residual_radps = o.lift_off.omega_radps - out.predicted.lift_off.omega_radps;
   out.z_vx = z_if_known(out.vx_residual_mps, o.lift_off_sd.vx_mps);

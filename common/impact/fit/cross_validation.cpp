@@ -17,6 +17,12 @@ std::vector<std::string> groups_of(std::span<const Observation> observations, Cr
   return out;
 }
 
+/// Of a posterior only the mode is used.
+FitOptions without_sample(FitOptions options) {
+  options.posterior.method = PosteriorMethod::laplace;
+  return options;
+}
+
 tl::expected<HeldOutGroup, FitFailure> hold_out(const std::string& group,
                                                 std::span<const Observation> observations,
                                                 const FitOptions& options, CrossValidationGroup by) {
@@ -29,7 +35,7 @@ tl::expected<HeldOutGroup, FitFailure> hold_out(const std::string& group,
     (leave ? left : kept).push_back(observations[i]);
     (leave ? out.observations : kept_from).push_back(i);
   }
-  auto fitted = fit(kept, options);
+  auto fitted = fit(kept, without_sample(options));
   if (!fitted) {
     FitFailure failure = fitted.error();
     if (failure.observation < kept_from.size()) failure.observation = kept_from[failure.observation];
@@ -47,7 +53,8 @@ tl::expected<CrossValidation, FitFailure> leave_one_group_out(std::span<const Ob
                                                               const FitOptions& options,
                                                               CrossValidationGroup by) {
   // Errors of the observations themselves are reported before any group is left out.
-  if (const auto whole = fit(observations, options); !whole) return tl::unexpected(whole.error());
+  if (const auto whole = fit(observations, without_sample(options)); !whole)
+    return tl::unexpected(whole.error());
   const std::vector<std::string> groups = groups_of(observations, by);
   if (groups.size() < 2) return tl::unexpected(FitFailure{.error = FitError::underdetermined});
   CrossValidation out;

@@ -48,7 +48,7 @@ std::string text_of(FitError error) {
 
 std::optional<FitFailure> find_observation_failure(const Observation& o, std::size_t at,
                                                    const FitOptions& options) {
-  const auto predicted = rebound_of(options.model, options.start, options.diameter_m, o.touchdown, o.e);
+  const auto predicted = rebound_of(options.model, options.start, options.diameter_m, inputs_of(o));
   FitFailure failure{.error = FitError::invalid_observation, .observation = at};
   if (!predicted) {
     failure.input = predicted.error();
@@ -56,7 +56,8 @@ std::optional<FitFailure> find_observation_failure(const Observation& o, std::si
   }
   if (!in_range(o.lift_off.vx_mps) || !in_range(o.lift_off.omega_radps)) return failure;
   failure.error = FitError::invalid_sd;
-  if (!are_sds(o.touchdown_sd) || !are_sds(o.lift_off_sd) || !is_sd(o.e_sd)) return failure;
+  if (!are_sds(o.touchdown_sd) || !are_sds(o.lift_off_sd) || !is_sd(o.e_sd) || !is_sd(o.dwell_sd_s))
+    return failure;
   if (moved_inputs_error(options.model, options.start, options.diameter_m, o)) return failure;
   const bool no_weight = o.lift_off_sd.vx_mps == 0.0 || o.lift_off_sd.omega_radps == 0.0;
   if (options.weighting == Weighting::stated_sd && no_weight) return failure;

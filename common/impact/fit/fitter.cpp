@@ -7,6 +7,8 @@
 #include <map>
 #include <string>
 
+#include "common/impact/fit/coefficient_prior.hpp"
+#include "common/impact/fit/contact_gradient.hpp"
 #include "common/impact/fit/quantiles.hpp"
 
 namespace strobe::impact {
@@ -19,12 +21,21 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 
 constexpr std::size_t kStartsTried = 6;
+constexpr std::size_t kContactStartsTried = 2;  ///< its sum of squares is smooth
+constexpr double kContactFunctionTolerance = 1e-7;
+constexpr double kCoordinateReach = 8.0;  ///< sds of the prior
+constexpr double kFirstVariance = 0.1;    ///< of residuals without stated sds, (m/s)²
+constexpr int kVarianceRounds = 3;
+constexpr double kLeastVariance = 1e-12;  ///< of residuals that are rounding
 constexpr int kMaxReweightings = 12;
 constexpr double kProfileTolerance =
     1e-9;  ///< of a sum of squares whose rise by a hundredth and more matters
 constexpr double kPoolingLevel = 0.25;
 /// Shots beyond the first of their series: two residuals each, so that the mean square within has an sd of half of it.
 constexpr double kFewestRepetitions = 4.0;
+
+/// Those of the closed forms come first.
+constexpr std::size_t kFormParameters = index(Parameter::alpha) + 1;
 
 std::vector<std::vector<std::size_t>> each_alone(std::size_t count) {
   std::vector<std::vector<std::size_t>> out(count);
@@ -49,6 +60,10 @@ Fitter::Fitter(std::span<const Observation> observations, const FitOptions& opti
     : observations_(observations), options_(&options), values_(options.start) {
   for (std::size_t i = 0; i < kParameterCount; ++i)
     if (options.free[i]) free_.push_back(static_cast<Parameter>(i));
+  // Where all dwell times are measured, nothing depends on it.
+  if (std::ranges::all_of(observations, [](const Observation& o) { return o.dwell_s > 0.0; }))
+    std::erase(free_, Parameter::dwell_s);
+  if (options.weighting == Weighting::equal) variance_ = kFirstVariance;
   weights_.resize(observations.size(), equal_weight());
   if (options.weighting == Weighting::stated_sd) reweight(false);
   series_ = series_of(observations);
@@ -86,7 +101,8 @@ bool Fitter::fits(Parameter parameter) const {
 
 VectorXd Fitter::free_values() const {
   VectorXd out(static_cast<Index>(free_.size()));
-  for (std::size_t k = 0; k < free_.size(); ++k) out[static_cast<Index>(k)] = values_[index(free_[k])];
+  for (std::size_t k = 0; k < free_.size(); ++k)
+    out[static_cast<Index>(k)] = coordinate_of(options_->model, free_[k], values_[index(free_[k])]);
   return out;
 }
 
@@ -95,8 +111,11 @@ VectorXd Fitter::whitened_at(const VectorXd& at) const {
   VectorXd out(static_cast<Index>(2 * observations_.size()));
   for (std::size_t i = 0; i < observations_.size(); ++i) {
     const Observation& o = observations_[i];
-    const auto predicted = rebound_of(options_->model, values, options_->diameter_m, o.touchdown, o.e);
-    assert(predicted);  // the parameters are within their bounds
+    const auto predicted = rebound_of(options_->model, values, options_->diameter_m, inputs_of(o));
+    if (!predicted) {  // coefficients of the contact for which it takes too many steps
+      assert(options_->model == ReboundModel::ode);
+      return VectorXd::Constant(out.size(), std::numeric_limits<double>::infinity());
+    }
     const Vector2d residual(
         predicted->lift_off.vx_mps - o.lift_off.vx_mps,
         0.5 * options_->diameter_m * (predicted->lift_off.omega_radps - o.lift_off.omega_radps));
@@ -120,13 +139,55 @@ void Fitter::demean(VectorXd& residuals) const {
 VectorXd Fitter::residuals_at(const VectorXd& at) const {
   VectorXd out = whitened_at(at);
   demean(out);
+  if (options_->model != ReboundModel::ode) return out;
+  VectorXd both(out.size() + at.size());
+  both << out, prior_rows().cwiseProduct(at - prior_means());
+  return both;
+}
+
+VectorXd Fitter::prior_means() const {
+  VectorXd out(static_cast<Index>(free_.size()));
+  for (std::size_t k = 0; k < free_.size(); ++k)
+    out[static_cast<Index>(k)] = prior_of(options_->model, free_[k])->mean;
+  return out;
+}
+
+/// In units of the residuals' own sd.
+VectorXd Fitter::prior_rows() const {
+  VectorXd out(static_cast<Index>(free_.size()));
+  for (std::size_t k = 0; k < free_.size(); ++k)
+    out[static_cast<Index>(k)] = std::sqrt(variance_) / prior_of(options_->model, free_[k])->sd;
+  return out;
+}
+
+/// Of residuals_at(), for the contact mechanics. 0 where a derivative cannot be had.
+Eigen::MatrixXd Fitter::contact_jacobian_at(const VectorXd& at) const {
+  const ParameterValues values = with(at);
+  const auto rows = static_cast<Index>(2 * observations_.size());
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows + at.size(), at.size());
+  for (std::size_t i = 0; i < observations_.size(); ++i) {
+    const auto gradient = contact_gradient(values, options_->diameter_m, inputs_of(observations_[i]));
+    if (!gradient) continue;
+    for (Index k = 0; k < at.size(); ++k) {
+      const Parameter p = free_[static_cast<std::size_t>(k)];
+      out.col(k).segment<2>(static_cast<Index>(2 * i)) =
+          slope_at(options_->model, p, at[k]) *
+          (weights_[i] * Vector2d(gradient->vx[index(p)], gradient->spin[index(p)]));
+    }
+  }
+  for (Index k = 0; k < at.size(); ++k) {
+    VectorXd column = out.col(k).head(rows);
+    demean(column);
+    out.col(k).head(rows) = column;
+  }
+  out.bottomRows(at.size()) = prior_rows().asDiagonal();
   return out;
 }
 
 LeastSquaresProblem Fitter::problem() const {
   const auto n = static_cast<Index>(free_.size());
   const double radius = 0.5 * options_->diameter_m;
-  const ParameterValues scales{0.1, 0.1, 0.1 * radius, 1.0, 0.1};
+  const ParameterValues scales{0.1, 0.1, 0.1 * radius, 1.0, 0.1, 0.1, 0.1, 0.1, 0.1};
   LeastSquaresProblem out{.residuals = [this](const VectorXd& at) { return residuals_at(at); },
                           .lower = VectorXd(n),
                           .upper = VectorXd(n),
@@ -136,13 +197,23 @@ LeastSquaresProblem Fitter::problem() const {
     out.lower[k] = lower_bound(p);
     out.upper[k] = upper_bound(p, radius);
     out.scale[k] = scales[index(p)];
+    if (const auto prior = prior_of(options_->model, p)) {
+      out.scale[k] = 0.1 * prior->sd;
+      out.lower[k] = prior->mean - kCoordinateReach * prior->sd;
+      out.upper[k] = prior->mean + kCoordinateReach * prior->sd;
+    }
+  }
+  if (options_->model == ReboundModel::ode) {
+    out.derivatives = [this](const VectorXd& at) { return contact_jacobian_at(at); };
+    out.function_tolerance = kContactFunctionTolerance;
   }
   return out;
 }
 
 ParameterValues Fitter::with(const VectorXd& at) const {
   ParameterValues out = values_;
-  for (std::size_t k = 0; k < free_.size(); ++k) out[index(free_[k])] = at[static_cast<Index>(k)];
+  for (std::size_t k = 0; k < free_.size(); ++k)
+    out[index(free_[k])] = value_at(options_->model, free_[k], at[static_cast<Index>(k)]);
   return out;
 }
 
@@ -195,8 +266,11 @@ void Fitter::fit_once(std::size_t tries) {
     converged_ = true;
     return;
   }
+  const auto starts = tries > 0 ? candidates() : std::vector<VectorXd>{};
   const LeastSquaresResult found =
-      minimize(problem(), free_values(), tries > 0 ? candidates() : std::vector<VectorXd>{}, tries);
+      options_->model == ReboundModel::ode
+          ? minimize_smooth(problem(), free_values(), starts, std::min(tries, kContactStartsTried))
+          : minimize(problem(), free_values(), starts, tries);
   values_ = with(found.parameters);
   converged_ = found.converged;
 }
@@ -212,10 +286,22 @@ void Fitter::iterate_weights() {
   }
 }
 
-/// A grid over the free parameters.
+/// A grid over the free parameters; of the contact mechanics a coarse one, over what makes it grip.
 std::vector<VectorXd> Fitter::candidates() const {
   const double radius = 0.5 * options_->diameter_m;
-  const std::array<std::vector<double>, kParameterCount> grid{{{0.15, 0.35, 0.55, 0.8},
+  if (options_->model == ReboundModel::ode) {
+    std::vector<VectorXd> out;
+    for (const double mu : {0.3, 0.5, 0.9}) {
+      for (const double stiffness : {0.6, 1.5}) {
+        Fitter at(*this);
+        at.set_if_free(Parameter::mu, mu);
+        at.set_if_free(Parameter::stiffness_ratio, stiffness);
+        out.push_back(at.free_values());
+      }
+    }
+    return out;
+  }
+  const std::array<std::vector<double>, kFormParameters> grid{{{0.15, 0.35, 0.55, 0.8},
                                                                {0.0, 0.15, 0.5},
                                                                {0.01 * radius, 0.08 * radius, 0.2 * radius},
                                                                {0.3, 2.5, 10.0},
@@ -232,6 +318,24 @@ std::vector<VectorXd> Fitter::candidates() const {
     out = std::move(longer);
   }
   return out;
+}
+
+void Fitter::set_if_free(Parameter parameter, double value) {
+  if (fits(parameter)) values_[index(parameter)] = value;
+}
+
+/// The prior counts for what it is worth against the residuals, whose variance the fit tells.
+void Fitter::search_with_prior() {
+  search();
+  if (options_->scale == CovarianceScale::stated || free_.empty()) return;
+  for (int i = 0; i < kVarianceRounds; ++i) {
+    variance_ = std::max(reduced(chi2(), std::max(1, degrees_of_freedom())), kLeastVariance);
+    fit_once(0);
+  }
+}
+
+double Fitter::chi2() const {
+  return residuals_at(free_values()).head(static_cast<Index>(2 * observations_.size())).squaredNorm();
 }
 
 double Fitter::log_determinant() const {

@@ -30,6 +30,8 @@ class Fitter {
 
   /// From several starts, the weights following the parameters.
   void search();
+  /// Likewise for ode, whose priors count by the residuals' variance.
+  void search_with_prior();
   /// Likewise, but for the scatter between the clusters, which stays.
   void search_with_this_scatter();
   /// From the present values, under the present weights, by derivatives alone: cheap where the least is near.
@@ -44,9 +46,10 @@ class Fitter {
   Eigen::VectorXd free_values() const;
   bool converged() const { return converged_; }
 
-  /// Weighted residuals, predicted less measured: two for each observation.
+  /// Weighted residuals, predicted less measured: two for each observation; for ode, after them one for each parameter by
+  /// its prior. `at` are coordinates (coefficient_prior.hpp).
   Eigen::VectorXd residuals_at(const Eigen::VectorXd& at) const;
-  double chi2() const { return residuals_at(free_values()).squaredNorm(); }
+  double chi2() const;
   /// Of the weights: the logarithm of the determinant of the residuals' covariance, which chi2 lacks of -2 log likelihood.
   double log_determinant() const;
   /// chi2/dof; 0 where the residuals are within rounding.
@@ -56,6 +59,8 @@ class Fitter {
   /// Of what a parameter's sd rests on: those of the clusters where they scatter.
   int degrees_of_freedom_between() const;
   std::vector<std::vector<std::size_t>> clusters() const;
+  /// What the residuals' variance is taken for where they are compared with the prior.
+  double variance() const { return variance_; }
   bool scatters() const { return scatter_ > 0.0; }  ///< from series to series
   LeastSquaresProblem problem() const;
 
@@ -68,6 +73,10 @@ class Fitter {
   void estimate_scatter();
   void fit_once(std::size_t tries);
   void iterate_weights();
+  void set_if_free(Parameter parameter, double value);
+  Eigen::VectorXd prior_means() const;
+  Eigen::VectorXd prior_rows() const;
+  Eigen::MatrixXd contact_jacobian_at(const Eigen::VectorXd& at) const;
   std::vector<Eigen::VectorXd> candidates() const;
 
   std::span<const Observation> observations_;
@@ -76,6 +85,7 @@ class Fitter {
   std::vector<Parameter> free_;
   std::vector<Eigen::Matrix2d> weights_;
   std::vector<std::vector<std::size_t>> series_;
+  double variance_ = 1.0;
   double scatter_ = 0.0;  ///< variance of the clusters' effects over that of one residual
   bool converged_ = false;
 };

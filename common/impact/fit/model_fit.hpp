@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/impact/fit/comparison.hpp"
+#include "common/sampling/sample.hpp"
 
 namespace strobe::impact {
 
@@ -38,6 +39,26 @@ constexpr std::string_view name(CovarianceScale scale) {
   return names[static_cast<std::size_t>(scale)];
 }
 
+/// How the posterior of ode's coefficients is found (contact_posterior.hpp).
+enum class PosteriorMethod {
+  automatic,   ///< importance, and where that is not reliable metropolis
+  laplace,     ///< the normal or t distribution at the mode, unchecked
+  importance,  ///< draws from that, weighted
+  metropolis,  ///< adaptive Metropolis
+};
+
+constexpr std::string_view name(PosteriorMethod method) {
+  constexpr std::array<std::string_view, 4> names{"auto", "laplace", "importance", "metropolis"};
+  return names[static_cast<std::size_t>(method)];
+}
+
+struct PosteriorOptions {
+  PosteriorMethod method = PosteriorMethod::automatic;
+  std::uint64_t seed = 1;
+  int draws = 4000;  ///< 50 or more; metropolis: of each of four chains
+  sampling::Progress progress{};
+};
+
 using FreeParameters = std::array<bool, kParameterCount>;
 
 struct FitOptions {
@@ -47,8 +68,9 @@ struct FitOptions {
   FreeParameters free{true, true, true, true, false};  ///< none free: the model is evaluated at `start`
   Weighting weighting = Weighting::equal;
   CovarianceScale scale = CovarianceScale::clustered;
-  double vx_weight = 1.0;    ///< of a squared residual of vx; > 0. Only with Weighting::equal.
-  double spin_weight = 1.0;  ///< of a squared residual of R·omega
+  double vx_weight = 1.0;        ///< of a squared residual of vx; > 0. Only with Weighting::equal.
+  double spin_weight = 1.0;      ///< of a squared residual of R·omega
+  PosteriorOptions posterior{};  ///< of ode
 };
 
 /// The model with its default values and what is fitted of it by default: mu of slide_roll; mu, e_x of grip;
@@ -63,7 +85,7 @@ enum class ParameterStatus {
   /// changes with the parameter.
   at_lower_bound,
   at_upper_bound,
-  /// Nothing changes with it at the minimum; or mu, where noise alone may explain that a contact seems to slide: all
+  /// ode: the data hardly tell it, the prior does (kUntoldShare). Others: nothing changes with it at the minimum; or mu, where noise alone may explain that a contact seems to slide: all
   /// may grip (likelihood ratio below that of 3.5 sd); or e_x, where all may slide. `limit` is then the lower end of a
   /// one-sided interval of kLimitLevel, and the value the one with the least chi2.
   undetermined,
@@ -91,6 +113,30 @@ struct FittedParameter {
   std::optional<double> degrees_of_freedom;  ///< of Student's t in sd, limit and interval
 };
 
+/// The sd of a coordinate over its prior's above which the data are said not to tell the parameter.
+inline constexpr double kUntoldShare = 0.7;
+/// Correlation of two coordinates from which only a combination of the two is said to be told.
+inline constexpr double kTiedCorrelation = 0.85;
+
+/// Of the parameters that are free, in the coordinates of coefficient_prior.hpp.
+struct Posterior {
+  PosteriorMethod method = PosteriorMethod::laplace;  ///< that the intervals are from
+  std::uint64_t seed = 0;
+  sampling::Sample sample;             ///< none by laplace
+  double effective_size = 0.0;         ///< independent draws that it is worth
+  std::optional<double> pareto_shape;  ///< of importance sampling
+  std::optional<double> r_hat;         ///< of metropolis, the worst
+  std::optional<double> acceptance;
+  bool reliable = false;
+  int evaluations = 0;         ///< of the density
+  double laplace_shift = 0.0;  ///< largest of an interval's end from the Laplace approximation's, sds
+  std::vector<Parameter> parameters;
+  std::vector<double> medians;       ///< of the values
+  std::vector<double> prior_shares;  ///< sd of the coordinate over that of its prior
+  std::vector<double> coordinate_sds;
+  Eigen::MatrixXd correlation;
+};
+
 struct ModelFit {
   std::array<FittedParameter, kParameterCount> parameters;
   /// Of all parameters, in their units; rows and columns of those that are not `fitted` are 0.
@@ -104,6 +150,7 @@ struct ModelFit {
   bool converged = false;
   std::vector<Comparison> comparisons;  ///< one for each observation, in order
   ResidualStatistics statistics;
+  std::optional<Posterior> posterior;  ///< of ode
 
   ParameterValues values() const;
   /// Correlation of two fitted parameters; 0 where one of them is not.

@@ -35,7 +35,9 @@ std::vector<Observation> observations_of(std::span<const thesis::Condition> cond
                    .lift_off = {c.vx_lo_mps.mean, c.vy_lo_mps.mean, c.omega_lo_radps.mean},
                    .lift_off_sd = {c.vx_lo_mps.sd / off, c.vy_lo_mps.sd / off, c.omega_lo_radps.sd / off},
                    .e = c.e.mean,
-                   .e_sd = c.e.sd / divisor(spread, c.n_system)});
+                   .e_sd = c.e.sd / divisor(spread, c.n_system),
+                   .dwell_s = c.dwell_time_ms.mean / 1e3,
+                   .dwell_sd_s = c.dwell_time_ms.sd / 1e3 / divisor(spread, c.n_system)});
   }
   return out;
 }

@@ -23,6 +23,11 @@ struct Observation {
   Motion lift_off_sd;  ///< that of vy is not used, as e is given
   double e = 0.0;      ///< measured restitution, 0…1
   double e_sd = 0.0;
+  double dwell_s = 0.0;  ///< touchdown to lift-off; 0: not measured
+  double dwell_sd_s = 0.0;
+  // The weight's parts towards the surface and along it, +x, in ode; 0: left out.
+  double gravity_mps2 = 0.0;
+  double gravity_along_mps2 = 0.0;
 };
 
 /// What standard deviations of a condition refer to.

@@ -2,43 +2,129 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+
+#include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::impact {
 
 namespace {
 
-constexpr ParameterValues kLower{0.0, -1.0, 0.0, 1e-9, 0.01};
+constexpr ParameterValues kLower{0.0, -1.0, 0.0, 1e-9, 0.01, 1e-2, 1e-2, 0.0, 1e-4};
 constexpr double kMaxMu = 10.0;
 constexpr double kMaxReference_mps = 100.0;
+/// Least share of vy and of the dwell time that an input moved by its sd keeps.
+constexpr double kLeastShare = 1e-3;
+
+/// What is measured is the time until the centre is one radius above the surface again. The ball leaves before, still
+/// compressed by 2·zeta/sqrt(k/m) of its speed (normal_spring.hpp).
+double share_until_release(double e) {
+  const auto zeta = damping_ratio_from_restitution(e);
+  return zeta ? 1.0 / (1.0 + 2.0 * *zeta / release_phase(*zeta)) : 1.0;
+}
+
+tl::expected<Rebound, InputError> contact_rebound(const ParameterValues& parameters, double diameter_m,
+                                                  const ModelInputs& in) {
+  const ContactInputs contact = contact_inputs(parameters, diameter_m, in);
+  return lift_off(contact.ball, in.touchdown, contact.coefficients, contact.options)
+      .map([&](const ContactLiftOff& out) {
+        const Motion& td = in.touchdown;
+        const double radius = contact.ball.radius_m();
+        const double impulse = out.lift_off.vy_mps - td.vy_mps;
+        const double lost = td.vx_mps - out.lift_off.vx_mps;
+        const double spun = radius * (out.lift_off.omega_radps - td.omega_radps);
+        return Rebound{.lift_off = out.lift_off,
+                       .regime = out.regime,
+                       .slip_lo_mps = out.lift_off.vx_mps + radius * out.lift_off.omega_radps,
+                       .impulse_ratio = lost / impulse,
+                       .offset_m = radius * (contact.ball.alpha * spun + lost) / impulse};
+      });
+}
+
+/// e is -vy_LO/vy_TD: of its sd the part that is vy_TD's moves with that, and the rest is vy_LO's own.
+ModelInputs moved_contact(const Observation& o, std::size_t which, double standard_deviations) {
+  ModelInputs in = inputs_of(o);
+  Motion& td = in.touchdown;
+  const double with_vy = o.e * o.touchdown_sd.vy_mps / std::abs(td.vy_mps);
+  const double own = std::sqrt(std::max(0.0, o.e_sd * o.e_sd - with_vy * with_vy));
+  const bool consists = o.e_sd >= with_vy;
+  if (which == 0) td.vx_mps += standard_deviations * o.touchdown_sd.vx_mps;
+  if (which == 1) {
+    td.vy_mps = std::min(kLeastShare * td.vy_mps, td.vy_mps + standard_deviations * o.touchdown_sd.vy_mps);
+    if (consists) in.e *= o.touchdown.vy_mps / td.vy_mps;
+  }
+  if (which == 2) td.omega_radps += standard_deviations * o.touchdown_sd.omega_radps;
+  if (which == 3) in.e += standard_deviations * (consists ? own : o.e_sd);
+  if (which == 4)
+    in.dwell_s = std::max(kLeastShare * o.dwell_s, o.dwell_s + standard_deviations * o.dwell_sd_s);
+  in.e = std::clamp(in.e, std::min(o.e, kMinSpringRestitution), 1.0);
+  return in;
+}
 
 }  // namespace
+
+ContactInputs contact_inputs(const ParameterValues& parameters, double diameter_m, const ModelInputs& in) {
+  const auto value = [&](Parameter p) { return parameters[index(p)]; };
+  const double share = share_until_release(in.e);
+  return {.ball = {.diameter_m = diameter_m, .alpha = value(Parameter::alpha)},
+          .coefficients = {.e = in.e,
+                           .dwell_s = share * (in.dwell_s > 0.0 ? in.dwell_s : value(Parameter::dwell_s)),
+                           .mu = value(Parameter::mu),
+                           .stiffness_ratio = value(Parameter::stiffness_ratio),
+                           .damping_ratio = value(Parameter::damping_ratio),
+                           .offset_share = value(Parameter::offset_share),
+                           .offset_reference_mps = value(Parameter::offset_reference_mps),
+                           .gravity_mps2 = in.gravity_mps2,
+                           .gravity_along_mps2 = in.gravity_along_mps2},
+          .options = {.method = ContactMethod::collocation, .tolerance = kContactFitTolerance},
+          .share_until_release = share};
+}
 
 double lower_bound(Parameter p) { return kLower[index(p)]; }
 
 double upper_bound(Parameter p, double radius_m) {
-  const ParameterValues upper{kMaxMu, 1.0, radius_m * (1.0 - 1e-12), kMaxReference_mps,
-                              ball::kThinShellAlpha};
+  const ParameterValues upper{
+      kMaxMu, 1.0, radius_m * (1.0 - 1e-12), kMaxReference_mps, ball::kThinShellAlpha, 1e2, 10.0, 1.0, 0.1};
   return upper[index(p)];
 }
 
 ParameterValues default_values(ReboundModel model) {
   if (model == ReboundModel::slide_roll)
     return {0.55, 0.0, 0.0, kOffsetReferenceSpeed_mps, ball::kThinShellAlpha};
+  if (model == ReboundModel::ode) {
+    const ContactCoefficients c;
+    return {c.mu,
+            0.0,
+            0.0,
+            c.offset_reference_mps,
+            kContactAlpha,
+            c.stiffness_ratio,
+            c.damping_ratio,
+            c.offset_share,
+            c.dwell_s};
+  }
   const double offset_m = model == ReboundModel::grip_offset ? kFittedToThesis.offset_m : 0.0;
   return {kFittedToThesis.mu, kFittedToThesis.e_x, offset_m, kOffsetReferenceSpeed_mps, ball::kMeasuredAlpha};
 }
 
 tl::expected<Rebound, InputError> rebound_of(ReboundModel model, const ParameterValues& parameters,
-                                             double diameter_m, const Motion& touchdown, double e) {
+                                             double diameter_m, const ModelInputs& in) {
+  if (model == ReboundModel::ode) return contact_rebound(parameters, diameter_m, in);
   const auto value = [&](Parameter p) { return has_parameter(model, p) ? parameters[index(p)] : 0.0; };
-  Coefficients c{.e = e, .mu = value(Parameter::mu), .e_x = value(Parameter::e_x)};
+  Coefficients c{.e = in.e, .mu = value(Parameter::mu), .e_x = value(Parameter::e_x)};
   c.offset_m = value(Parameter::offset_m);
   if (model == ReboundModel::grip_offset) c.offset_reference_mps = value(Parameter::offset_reference_mps);
-  return impact::grip({.diameter_m = diameter_m, .alpha = value(Parameter::alpha)}, touchdown, c);
+  return impact::grip({.diameter_m = diameter_m, .alpha = value(Parameter::alpha)}, in.touchdown, c);
 }
 
-ModelInputs moved_inputs(const Observation& o, std::size_t which, double standard_deviations) {
-  ModelInputs in{o.touchdown, o.e};
+ModelInputs inputs_of(const Observation& o) {
+  return {o.touchdown, o.e, o.dwell_s, o.gravity_mps2, o.gravity_along_mps2};
+}
+
+ModelInputs moved_inputs(ReboundModel model, const Observation& o, std::size_t which,
+                         double standard_deviations) {
+  ModelInputs in = inputs_of(o);
+  if (model == ReboundModel::ode) return moved_contact(o, which, standard_deviations);
   Motion& td = in.touchdown;
   if (which == 0) td.vx_mps += standard_deviations * o.touchdown_sd.vx_mps;
   if (which == 1)
@@ -50,10 +136,10 @@ ModelInputs moved_inputs(const Observation& o, std::size_t which, double standar
 
 std::optional<InputError> moved_inputs_error(ReboundModel model, const ParameterValues& parameters,
                                              double diameter_m, const Observation& observation) {
-  for (std::size_t which = 0; which < kInputCount; ++which) {
+  for (std::size_t which = 0; which < input_count(model); ++which) {
     for (const double sign : {1.0, -1.0}) {
-      const ModelInputs in = moved_inputs(observation, which, sign);
-      const auto moved = rebound_of(model, parameters, diameter_m, in.touchdown, in.e);
+      const auto moved =
+          rebound_of(model, parameters, diameter_m, moved_inputs(model, observation, which, sign));
       if (!moved) return moved.error();
     }
   }
@@ -63,11 +149,9 @@ std::optional<InputError> moved_inputs_error(ReboundModel model, const Parameter
 InputCovariance input_covariance(ReboundModel model, const ParameterValues& parameters, double diameter_m,
                                  const Observation& observation) {
   InputCovariance sum;
-  for (std::size_t which = 0; which < kInputCount; ++which) {
-    const ModelInputs more = moved_inputs(observation, which, 1.0);
-    const ModelInputs less = moved_inputs(observation, which, -1.0);
-    const auto high = rebound_of(model, parameters, diameter_m, more.touchdown, more.e);
-    const auto low = rebound_of(model, parameters, diameter_m, less.touchdown, less.e);
+  for (std::size_t which = 0; which < input_count(model); ++which) {
+    const auto high = rebound_of(model, parameters, diameter_m, moved_inputs(model, observation, which, 1.0));
+    const auto low = rebound_of(model, parameters, diameter_m, moved_inputs(model, observation, which, -1.0));
     assert(high && low);
     const double vx = 0.5 * (high->lift_off.vx_mps - low->lift_off.vx_mps);
     const double spin = 0.25 * diameter_m * (high->lift_off.omega_radps - low->lift_off.omega_radps);

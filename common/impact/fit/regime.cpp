@@ -4,14 +4,16 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/impact/fit/coefficient_prior.hpp"
+
 namespace strobe::impact {
 
 namespace {
 
 using Eigen::Index;
 
-/// Enough to make any contact grip.
-constexpr double kAnyFriction = 1e9;
+/// Enough to make any contact grip, and for ode within its range.
+double any_friction(ReboundModel model) { return model == ReboundModel::ode ? 1e2 : 1e9; }
 
 constexpr double kSure = 2.0;  ///< sds, as for the regime of a readout
 
@@ -27,9 +29,9 @@ struct Prediction {
 Prediction predict(ReboundModel model, const ParameterValues& parameters, double diameter_m,
                    const ModelInputs& in) {
   ParameterValues frictional = parameters;
-  frictional[index(Parameter::mu)] = kAnyFriction;
-  const auto gripping = rebound_of(model, frictional, diameter_m, in.touchdown, in.e);
-  const auto actual = rebound_of(model, parameters, diameter_m, in.touchdown, in.e);
+  frictional[index(Parameter::mu)] = any_friction(model);
+  const auto gripping = rebound_of(model, frictional, diameter_m, in);
+  const auto actual = rebound_of(model, parameters, diameter_m, in);
   return {.needed = std::abs(gripping->lift_off.vx_mps - in.touchdown.vx_mps),
           .available = parameters[index(Parameter::mu)] * (1.0 + in.e) * std::abs(in.touchdown.vy_mps),
           .slip_lo = actual->slip_lo_mps};
@@ -43,9 +45,9 @@ struct Variances {
 
 void add_inputs(const Observation& o, ReboundModel model, const ParameterValues& values, double diameter_m,
                 Variances& sum) {
-  for (std::size_t which = 0; which < kInputCount; ++which) {
-    const Prediction more = predict(model, values, diameter_m, moved_inputs(o, which, 1.0));
-    const Prediction less = predict(model, values, diameter_m, moved_inputs(o, which, -1.0));
+  for (std::size_t which = 0; which < input_count(model); ++which) {
+    const Prediction more = predict(model, values, diameter_m, moved_inputs(model, o, which, 1.0));
+    const Prediction less = predict(model, values, diameter_m, moved_inputs(model, o, which, -1.0));
     sum.margin += std::pow(0.5 * (more.margin() - less.margin()), 2);
     sum.slip_lo += std::pow(0.5 * (more.slip_lo - less.slip_lo), 2);
   }
@@ -68,9 +70,10 @@ void add_parameters(const ModelInputs& in, ReboundModel model, const ModelFit& f
     ParameterValues out = values;
     for (std::size_t i = 0; i < kParameterCount; ++i) {
       const auto p = static_cast<Parameter>(i);
-      if (sd[static_cast<Index>(i)] > 0.0)
-        out[i] = std::clamp(out[i] + step[static_cast<Index>(i)], lower_bound(p),
-                            upper_bound(p, 0.5 * diameter_m));
+      if (!(sd[static_cast<Index>(i)] > 0.0)) continue;
+      const double at = coordinate_of(model, p, out[i]);
+      const double to = value_at(model, p, at + step[static_cast<Index>(i)] / slope_at(model, p, at));
+      out[i] = std::clamp(to, lower_bound(p), upper_bound(p, 0.5 * diameter_m));
     }
     return out;
   };
@@ -116,9 +119,9 @@ tl::expected<RegimeClassification, InputError> classify_regime(const Observation
                                                                double diameter_m) {
   ParameterValues values = fit.values();
   const bool friction_known = fit.parameters[index(Parameter::mu)].status != ParameterStatus::undetermined;
-  if (!friction_known) values[index(Parameter::mu)] = kAnyFriction;
-  const ModelInputs in{observation.touchdown, observation.e};
-  const auto rebound = rebound_of(model, values, diameter_m, in.touchdown, in.e);
+  if (!friction_known) values[index(Parameter::mu)] = any_friction(model);
+  const ModelInputs in = inputs_of(observation);
+  const auto rebound = rebound_of(model, values, diameter_m, in);
   if (!rebound) return tl::unexpected(rebound.error());
   if (const auto error = moved_inputs_error(model, values, diameter_m, observation))
     return tl::unexpected(*error);

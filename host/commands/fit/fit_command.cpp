@@ -2,13 +2,17 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <memory>
 
 #include "common/command_line/help.hpp"
+#include "common/flight/gravity.hpp"
 #include "common/impact/fit/fit_checks.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/fit/fit_report.hpp"
@@ -33,30 +37,44 @@ struct Arguments {
   std::string covariance = "clustered";
   std::string spread = "replicate";
   std::string spin;
+  std::string sampler = "auto";
+  std::uint64_t seed = 1;
+  int draws = 4000;
   double diameter_m = ball::kThesisDiameter_m;
+  double gravity_mps2 = flight::kStandardGravity_mps2;
   bool as_printed = false;
   bool json = false;
+  std::vector<const CLI::Option*> of_ode{};  ///< options that the other models do not have
 };
 
 ReboundModel model_of(const std::string& text) {
-  for (const ReboundModel m : {ReboundModel::slide_roll, ReboundModel::grip})
+  for (const ReboundModel m : {ReboundModel::slide_roll, ReboundModel::grip, ReboundModel::ode})
     if (text == impact::name(m)) return m;
   return ReboundModel::grip_offset;
 }
 
-Result<Parameter> parameter_of(const std::string& text) {
+/// "mu, ex, d, u0 or alpha"
+std::string parameter_names(ReboundModel model) {
+  std::vector<std::string_view> names;
+  for (std::size_t i = 0; i < kParameterCount; ++i)
+    if (impact::has_parameter(model, static_cast<Parameter>(i)))
+      names.push_back(impact::name(static_cast<Parameter>(i)));
+  return fmt::format("{} or {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
+}
+
+Result<Parameter> parameter_of(const std::string& text, ReboundModel model) {
   for (std::size_t i = 0; i < kParameterCount; ++i) {
     const auto p = static_cast<Parameter>(i);
     if (text == impact::name(p)) return p;
   }
-  return fail("fit: no parameter \"" + text + "\": mu, ex, d, u0 or alpha");
+  return fail("fit: no parameter \"" + text + "\": " + parameter_names(model));
 }
 
-/// "name=value" with d in mm.
-Result<std::pair<Parameter, double>> fixed_value(const std::string& text) {
+/// "name=value" with d in mm and dwell in ms.
+Result<std::pair<Parameter, double>> fixed_value(const std::string& text, ReboundModel model) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos) return fail("fit: --fix " + text + ": must be name=value");
-  const auto p = parameter_of(text.substr(0, equals));
+  const auto p = parameter_of(text.substr(0, equals), model);
   if (!p) return tl::unexpected(p.error());
   double value = 0.0;
   const char* begin = text.data() + equals + 1;
@@ -67,21 +85,32 @@ Result<std::pair<Parameter, double>> fixed_value(const std::string& text) {
   return std::pair(*p, from_display_unit(*p, value));
 }
 
+impact::PosteriorMethod sampler_of(const std::string& text) {
+  using impact::PosteriorMethod;
+  for (const PosteriorMethod m :
+       {PosteriorMethod::laplace, PosteriorMethod::importance, PosteriorMethod::metropolis})
+    if (text == impact::name(m)) return m;
+  return PosteriorMethod::automatic;
+}
+
 Result<impact::FitOptions> options_of(const Arguments& a) {
   impact::FitOptions out = impact::default_options(model_of(a.model));
   out.diameter_m = a.diameter_m;
   if (a.weights == "sd") out.weighting = impact::Weighting::stated_sd;
   if (a.covariance == "residuals") out.scale = impact::CovarianceScale::residuals;
   if (a.covariance == "stated") out.scale = impact::CovarianceScale::stated;
+  out.posterior.method = sampler_of(a.sampler);
+  out.posterior.seed = a.seed;
+  out.posterior.draws = a.draws;
   impact::FreeParameters asked{};
   for (const std::string& text : a.free) {
-    const auto p = parameter_of(text);
+    const auto p = parameter_of(text, out.model);
     if (!p) return tl::unexpected(p.error());
     asked[impact::index(*p)] = true;
   }
   if (!a.free.empty()) out.free = asked;
   for (const std::string& text : a.fix) {
-    const auto fixed = fixed_value(text);
+    const auto fixed = fixed_value(text, out.model);
     if (!fixed) return tl::unexpected(fixed.error());
     const std::size_t i = impact::index(fixed->first);
     if (asked[i]) return fail("fit: " + std::string(impact::name(fixed->first)) + " is both free and fixed");
@@ -118,6 +147,11 @@ Result<FitData> data_of(const Arguments& a) {
   return out;
 }
 
+/// The plate is taken for level.
+void add_weight(const Arguments& a, FitData& data) {
+  for (impact::Observation& o : data.observations) o.gravity_mps2 = a.gravity_mps2;
+}
+
 /// By the sds where every shot has them. Those of the thesis's conditions are the machine's spread, which touchdown and
 /// lift-off share: no errors of the comparison.
 void weigh_by_sd_where_stated(const Arguments& a, const FitData& data, impact::FitOptions& options) {
@@ -144,6 +178,18 @@ int explain(const FitFailure& failure, const FitData& data) {
   return failure.error == FitError::not_identifiable ? failed(what) : bad_input(what);
 }
 
+/// On a terminal only.
+sampling::Progress progress_after_two_seconds() {
+  if (::isatty(STDERR_FILENO) != 1) return {};
+  using Clock = std::chrono::steady_clock;
+  return [start = Clock::now(), told = Clock::time_point()](double share) mutable {
+    const auto now = Clock::now();
+    if (now - start < std::chrono::seconds(2) || now - told < std::chrono::milliseconds(500)) return;
+    told = now;
+    fmt::print(stderr, "\rstrobe: drawing from the posterior: {:3.0f} % \r", 100.0 * share);
+  };
+}
+
 /// Regimes and rolling friction of each observation; the fit has checked the observations.
 void judge(FitReport& report) {
   const double alpha = report.fit.parameters[impact::index(Parameter::alpha)].value;
@@ -158,10 +204,15 @@ void judge(FitReport& report) {
 int run_fit(const Arguments& a) {
   auto options = options_of(a);
   if (!options) return bad_input(options.error().message);
+  for (const CLI::Option* option : a.of_ode)
+    if (options->model != ReboundModel::ode && option->count() > 0)
+      return bad_input("fit: " + option->get_name() + ": only --model ode has it");
+  options->posterior.progress = progress_after_two_seconds();
   auto data = data_of(a);
   if (!data) return bad_input(data.error().message);
   if (!a.spin.empty()) data->observations = impact::of_spin(data->observations, a.spin);
   if (data->observations.empty()) return bad_input("fit: no observations of " + a.spin + " spin");
+  if (options->model == ReboundModel::ode) add_weight(a, *data);
   weigh_by_sd_where_stated(a, *data, *options);
   leave_impossible_out(*options, *data);
   if (data->observations.empty())
@@ -190,15 +241,18 @@ void add_model_options(CLI::App& command, Arguments& a) {
   command
       .add_option("--model", a.model,
                   "slide-roll: slides or rolls off (mu, alpha); grip: tangential restitution (and ex); "
-                  "grip-offset: normal force ahead of the centre (and d, u0)")
-      ->check(CLI::IsMember({"slide-roll", "grip", "grip-offset"}))
+                  "grip-offset: normal force ahead of the centre (and d, u0); ode: contact mechanics (mu, "
+                  "stiffness_ratio, damping_ratio, offset_share, u0, alpha, dwell where it is not measured)")
+      ->check(CLI::IsMember({"slide-roll", "grip", "grip-offset", "ode"}))
       ->capture_default_str();
   command
-      .add_option("--free", a.free, "Parameters to fit, e.g. mu,ex,d,u0,alpha [all of the model but alpha]")
+      .add_option("--free", a.free,
+                  "Parameters to fit, e.g. mu,ex,d,u0,alpha [all of the model, alpha only of ode]")
       ->delimiter(',');
   command
-      .add_option("--fix", a.fix,
-                  "name=value of parameters that are not fitted, e.g. mu=0.55,d=3; d in mm, u0 in m/s")
+      .add_option(
+          "--fix", a.fix,
+          "name=value of parameters that are not fitted, e.g. mu=0.55,d=3; d in mm, u0 in m/s, dwell in ms")
       ->delimiter(',')
       ->allow_extra_args(false);
   command
@@ -218,6 +272,30 @@ void add_model_options(CLI::App& command, Arguments& a) {
       ->check(CLI::IsMember({"clustered", "residuals", "stated"}))
       ->capture_default_str();
   command.add_option("--diameter-m", a.diameter_m, "Diameter of the ball, m")->capture_default_str();
+}
+
+void add_ode_options(CLI::App& command, Arguments& a) {
+  a.of_ode.push_back(
+      command
+          .add_option(
+              "--sampler", a.sampler,
+              "ode: how intervals are found: importance (draws from the Laplace approximation, weighted), "
+              "metropolis (adaptive), laplace (unchecked), or auto: importance, where that fails "
+              "metropolis")
+          ->check(CLI::IsMember({"auto", "importance", "metropolis", "laplace"}))
+          ->capture_default_str());
+  a.of_ode.push_back(command.add_option("--draws", a.draws, "ode: draws of the sampler")
+                         ->check(CLI::Range(200, 1000000))
+                         ->capture_default_str());
+  a.of_ode.push_back(command.add_option("--seed", a.seed, "ode: of the draws")->capture_default_str());
+  a.of_ode.push_back(
+      command
+          .add_option(
+              "--gravity-mps2", a.gravity_mps2,
+              "ode: the weight's part towards the surface in contact, 9.81 times the cosine of a plate's "
+              "inclination; 0 leaves it out")
+          ->check(CLI::Range(0.0, 100.0))
+          ->capture_default_str());
 }
 
 void add_data_options(CLI::App& command, Arguments& a) {
@@ -244,13 +322,15 @@ void add_fit_command(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("fit", "Fit friction and restitution to measured rebounds.");
   add_data_options(*command, *arguments);
   add_model_options(*command, *arguments);
+  add_ode_options(*command, *arguments);
   command->add_flag("--json", arguments->json,
                     "JSON objects on stdout: fit, observations, then those left out");
-  command_line::for_experts(
-      *command, {"--weights", "--covariance", "--spread", "--as-printed", "--leave-out", "--diameter-m"});
+  command_line::for_experts(*command, {"--weights", "--covariance", "--spread", "--as-printed", "--leave-out",
+                                       "--diameter-m", "--sampler", "--draws", "--seed", "--gravity-mps2"});
   command->footer(
       "Example: strobe fit --model grip-offset --leave-out spin\n"
-      "         strobe fit session/results.csv --free mu,ex --fix d=3 --weights sd --json");
+      "         strobe fit session/results.csv --free mu,ex --fix d=3 --weights sd --json\n"
+      "         strobe fit session/results.csv --model ode");
   command->callback([arguments, &exit_status] { exit_status = run_fit(*arguments); });
 }
 

@@ -148,6 +148,10 @@ Result<void> add_shot(const Record& record, const std::string& source, FitData& 
   }
   const auto there = read_pair(record, "e", o.e, o.e_sd);
   if (!there) return tl::unexpected(there.error());
+  if (const auto dwell = read_pair(record, "dwell_time_ms", o.dwell_s, o.dwell_sd_s); !dwell)
+    return tl::unexpected(dwell.error());
+  o.dwell_s /= 1e3;
+  o.dwell_sd_s /= 1e3;
   if (!record.text("rejected").empty()) {
     ++out.rejected;
   } else if (!complete || !*there || aliased(record)) {

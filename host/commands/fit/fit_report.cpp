@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/impact/fit/coefficient_prior.hpp"
 #include "common/messages/or_null.hpp"
 
 namespace strobe::host {
@@ -18,6 +19,10 @@ using impact::ParameterStatus;
 using impact::ResidualStatistics;
 using nlohmann::ordered_json;
 
+constexpr double kTwoSided95 = 1.959963984540054;  ///< sds
+
+bool shown_in_thousandths(Parameter p) { return p == Parameter::offset_m || p == Parameter::dwell_s; }
+
 void print_line(const ordered_json& object) {
   std::printf("%s\n", object.dump(-1, ' ', false, ordered_json::error_handler_t::replace).c_str());
 }
@@ -27,7 +32,8 @@ ordered_json edge_number(Parameter p, const std::optional<double>& value) {
 }
 
 std::string key(Parameter p) {
-  constexpr std::array<const char*, kParameterCount> keys{"mu", "ex", "d_mm", "u0_mps", "alpha"};
+  constexpr std::array<const char*, kParameterCount> keys{
+      "mu", "ex", "d_mm", "u0_mps", "alpha", "stiffness_ratio", "damping_ratio", "offset_share", "dwell_ms"};
   return keys[impact::index(p)];
 }
 
@@ -112,6 +118,42 @@ void add_rolling_friction(const impact::RollingFriction& r, ordered_json& out) {
   out["sd_rolling_friction"] = r.coefficient_sd;
 }
 
+ordered_json prior_json(Parameter p) {
+  const auto value = [&](double sds) { return to_display_unit(p, impact::prior_value(p, sds)); };
+  return {{"median", value(0.0)}, {"interval_95", {value(-kTwoSided95), value(kTwoSided95)}}};
+}
+
+ordered_json posterior_json(const impact::ModelFit& fit) {
+  const impact::Posterior& q = *fit.posterior;
+  ordered_json out{{"method", impact::name(q.method)},
+                   {"seed", q.seed},
+                   {"draws", q.sample.points.cols()},
+                   {"effective_draws", q.effective_size},
+                   {"pareto_k", messages::or_null(q.pareto_shape)},
+                   {"r_hat", messages::or_null(q.r_hat)},
+                   {"acceptance", messages::or_null(q.acceptance)},
+                   {"reliable", q.reliable},
+                   {"evaluations", q.evaluations},
+                   {"largest_shift_from_laplace_sd", q.laplace_shift}};
+  ordered_json names = ordered_json::array(), matrix = ordered_json::array(), priors, medians, shares;
+  for (std::size_t i = 0; i < q.parameters.size(); ++i) {
+    const Parameter p = q.parameters[i];
+    names.push_back(key(p));
+    priors[key(p)] = prior_json(p);
+    medians[key(p)] = to_display_unit(p, q.medians[i]);
+    shares[key(p)] = q.prior_shares[i];
+    const Eigen::VectorXd row = q.correlation.row(static_cast<Eigen::Index>(i));
+    matrix.push_back(std::vector<double>(row.begin(), row.end()));
+  }
+  out["prior"] = priors;
+  out["median"] = medians;
+  out["sd_over_prior_sd"] = shares;
+  out["correlation_parameters"] = names;
+  out["correlation"] = matrix;
+  out["untold"] = untold(fit);
+  return out;
+}
+
 ordered_json fit_json(const FitReport& r) {
   const bool by_sd = r.options.weighting == impact::Weighting::stated_sd;
   ordered_json out{{"type", "fit"}, {"model", impact::name(r.options.model)}};
@@ -123,19 +165,23 @@ ordered_json fit_json(const FitReport& r) {
   out["converged"] = r.fit.converged;
   out.update(statistics_json(r.fit.statistics));
   out["clusters"] = r.fit.clusters;
+  if (r.fit.posterior) out["posterior"] = posterior_json(r.fit);
   out["inputs"] = {{"weights", by_sd ? "sd" : "equal"},  {"covariance", impact::name(r.options.scale)},
                    {"diameter_m", r.options.diameter_m}, {"rejected", r.data.rejected},
                    {"incomplete", r.data.incomplete},    {"impossible", r.data.impossible}};
+  if (r.fit.posterior) out["inputs"]["gravity_mps2"] = r.data.observations.front().gravity_mps2;
   return out;
 }
 
 }  // namespace
 
-double to_display_unit(Parameter p, double value) { return p == Parameter::offset_m ? 1e3 * value : value; }
-double from_display_unit(Parameter p, double value) { return p == Parameter::offset_m ? value / 1e3 : value; }
+double to_display_unit(Parameter p, double value) { return shown_in_thousandths(p) ? 1e3 * value : value; }
+double from_display_unit(Parameter p, double value) { return shown_in_thousandths(p) ? value / 1e3 : value; }
 
 const char* display_unit(Parameter p) {
-  return p == Parameter::offset_m ? " mm" : p == Parameter::offset_reference_mps ? " m/s" : "";
+  if (p == Parameter::offset_m) return " mm";
+  if (p == Parameter::dwell_s) return " ms";
+  return p == Parameter::offset_reference_mps ? " m/s" : "";
 }
 
 void print_fit_json(const FitReport& r) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/impact/fit/cross_validation.hpp"
@@ -21,10 +22,13 @@ struct FitReport {
   impact::CrossValidationGroup grouped_by = impact::CrossValidationGroup::spin;
 };
 
-/// A parameter's value in the unit of the command line, and back: d in mm, the others in SI units.
+/// A parameter's value in the unit of the command line, and back: d in mm, dwell in ms, the others in SI units.
 double to_display_unit(impact::Parameter parameter, double value);
 double from_display_unit(impact::Parameter parameter, double value);
-const char* display_unit(impact::Parameter parameter);  ///< " mm", " m/s" or ""
+const char* display_unit(impact::Parameter parameter);  ///< " mm", " m/s", " ms" or ""
+
+/// What the data do not tell, a line each: parameters as uncertain as before, pairs of which only a combination is known.
+std::vector<std::string> untold(const impact::ModelFit& fit);
 
 /// Lines of type "fit", then "observation" for each, then "left_out" for each group and "validation".
 void print_fit_json(const FitReport& report);

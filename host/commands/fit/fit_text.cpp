@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/impact/fit/coefficient_prior.hpp"
 #include "host/commands/fit/fit_report.hpp"
 
 namespace strobe::host {
@@ -54,6 +55,10 @@ std::string value_text(Parameter p, const FittedParameter& f) {
   return fmt::format("{:.5g}{}  {}{}", value, display_unit(p), impact::name(f.status), limit_text(p, f));
 }
 
+bool is_fitted(const impact::ModelFit& fit, Parameter p) {
+  return fit.parameters[impact::index(p)].sd.has_value();
+}
+
 void print_parameters(const FitReport& r) {
   write_out(
       fmt::format("model {}: {} observations", impact::name(r.options.model), r.data.observations.size()));
@@ -64,7 +69,9 @@ void print_parameters(const FitReport& r) {
   for (std::size_t i = 0; i < kParameterCount; ++i) {
     const auto p = static_cast<Parameter>(i);
     if (!impact::has_parameter(r.options.model, p)) continue;
-    write_out(fmt::format("  {:<6} {}\n", impact::name(p), value_text(p, r.fit.parameters[i])));
+    const bool own_dwell = p == Parameter::dwell_s && r.options.free[i] && !is_fitted(r.fit, p);
+    write_out(fmt::format("  {:<{}} {}\n", impact::name(p), r.fit.posterior ? 15 : 6,
+                          own_dwell ? "each observation's own" : value_text(p, r.fit.parameters[i])));
   }
 }
 
@@ -79,6 +86,42 @@ void print_correlations(const impact::ModelFit& fit) {
     }
   }
   if (!line.empty()) write_out("correlations:" + line + "\n");
+}
+
+std::string check_text(const impact::Posterior& q) {
+  const std::string draws = fmt::format("{} draws worth {:.0f}", q.sample.points.cols(), q.effective_size);
+  switch (q.method) {
+    case impact::PosteriorMethod::importance:
+      return fmt::format("importance sampling from the Laplace approximation, {} (seed {}), Pareto k {:.2f}",
+                         draws, q.seed, q.pareto_shape.value_or(0.0));
+    case impact::PosteriorMethod::metropolis:
+      return fmt::format("adaptive Metropolis, {} (seed {}), R-hat {:.3f}, {:.0f} % accepted", draws, q.seed,
+                         q.r_hat.value_or(0.0), 100.0 * q.acceptance.value_or(0.0));
+    default:
+      return "the Laplace approximation, not checked";
+  }
+}
+
+/// 95 % of the prior, of those parameters that are fitted.
+std::string priors_text(const impact::Posterior& q) {
+  std::string out;
+  for (const Parameter p : q.parameters) {
+    const auto end = [&](double sds) { return to_display_unit(p, impact::prior_value(p, sds)); };
+    out += fmt::format("{} {} {:.2g} to {:.2g}{}", out.empty() ? "" : ",", impact::name(p), end(-1.96),
+                       end(1.96), display_unit(p));
+  }
+  return out;
+}
+
+void print_posterior(const FitReport& r) {
+  if (!r.fit.posterior) return;
+  const impact::Posterior& q = *r.fit.posterior;
+  write_out("posterior: " + check_text(q));
+  if (q.method != impact::PosteriorMethod::laplace)
+    write_out(fmt::format("; ends of intervals within {:.1f} sd of Laplace's{}", q.laplace_shift,
+                          q.reliable ? "" : "; too few draws for reliable intervals: more --draws"));
+  write_out("\nprior, 95 %:" + priors_text(q) + "\n");
+  for (const std::string& line : untold(r.fit)) write_out("not told: " + line + "\n");
 }
 
 std::string statistics_text(const impact::ResidualStatistics& a) {
@@ -162,6 +205,7 @@ void print_validation(const FitReport& r) {
 void print_fit_text(const FitReport& r) {
   print_parameters(r);
   print_correlations(r.fit);
+  print_posterior(r);
   print_quality(r);
   print_observations(r);
   print_rolling_friction(r);

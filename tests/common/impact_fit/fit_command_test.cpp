@@ -163,3 +163,58 @@ TEST(FitCommand, FailsWhereParametersCannotBeToldApart) {
   LONGS_EQUAL(1, run.status->code);
   CHECK(run.err.find("cannot be separated") != std::string::npos);
 }
+
+TEST(FitCommand, FitsTheContactMechanicsWithItsPosterior) {
+  const auto lines = jsons_of(run_fit({"--json", "--model", "ode", "--leave-out", "condition"}));
+  LONGS_EQUAL(1 + 21 + 21 + 1, lines.size());
+  const auto& fit = lines[0];
+  const auto& mu = fit["parameters"]["mu"];
+  DOUBLES_EQUAL(0.536, mu["value"].get<double>(), 0.003);
+  CHECK(mu["interval_95"][0].get<double>() < 0.53 && mu["interval_95"][1].get<double>() > 0.55);
+  CHECK_EQUAL("fixed", fit["parameters"]["dwell_ms"]["status"]);
+  const auto& posterior = fit["posterior"];
+  CHECK_EQUAL("importance", posterior["method"]);
+  CHECK_EQUAL(1, posterior["seed"]);
+  CHECK_TRUE(posterior["reliable"].get<bool>());
+  CHECK(posterior["pareto_k"].get<double>() < 0.7);
+  LONGS_EQUAL(6, posterior["correlation"].size());
+  CHECK_EQUAL("mu", posterior["correlation_parameters"][0]);
+  DOUBLES_EQUAL(1.0, posterior["correlation"][2][2].get<double>(), 1e-12);
+  DOUBLES_EQUAL(0.5, posterior["prior"]["mu"]["median"].get<double>(), 1e-12);
+  CHECK_EQUAL("slides", lines[1]["regime"]);
+  CHECK_EQUAL(21, lines.back()["count"]);
+}
+
+TEST(FitCommand, TheContactMechanicsTakesTheOptionsOfTheOtherModels) {
+  const auto one = run_fit({"--model", "ode", "--json", "--seed", "7", "--draws", "500"});
+  CHECK_EQUAL(one.out, run_fit({"--model", "ode", "--json", "--seed", "7", "--draws", "500"}).out);
+  CHECK_EQUAL(7, jsons_of(one)[0]["posterior"]["seed"]);
+  const auto fixed =
+      jsons_of(run_fit({"--model", "ode", "--json", "--sampler", "laplace", "--fix",
+                        "u0=20,damping_ratio=0.5", "--covariance", "residuals", "--spin", "zero"}));
+  LONGS_EQUAL(1 + 7, fixed.size());
+  DOUBLES_EQUAL(20.0, fixed[0]["parameters"]["u0_mps"]["value"].get<double>(), 0.0);
+  CHECK_EQUAL("laplace", fixed[0]["posterior"]["method"]);
+  const std::string path = file(kHeader + kShots);
+  const auto shots = jsons_of(run_fit({path, "--model", "ode", "--json", "--free", "mu,stiffness_ratio,dwell",
+                                       "--covariance", "stated", "--draws", "500"}));
+  LONGS_EQUAL(1 + 4, shots.size());
+  CHECK(shots[0]["parameters"]["dwell_ms"]["sd"].get<double>() > 0.0);
+  DOUBLES_EQUAL(4.7, shots[0]["posterior"]["prior"]["dwell_ms"]["median"].get<double>(), 1e-12);
+}
+
+TEST(FitCommand, TheContactMechanicsTellsWhatTheDataDoNot) {
+  check_prints(run_fit({"--model", "ode"}),
+               {"stiffness_ratio 1.", "posterior: importance sampling", "(seed 1)",
+                "prior, 95 %: mu 0.13 to 2", "not told: u0 and offset_share apart"});
+}
+
+TEST(FitCommand, OptionsOfTheContactMechanicsAreRefusedElsewhere) {
+  check_refused(run_fit({"--seed", "3"}), "fit: --seed: only --model ode has it");
+  check_refused(run_fit({"--model", "grip", "--gravity-mps2", "0"}),
+                "fit: --gravity-mps2: only --model ode has it");
+  check_refused(run_fit({"--model", "ode", "--free", "mu,ex"}),
+                "fit: ex: the model does not have this parameter");
+  check_refused(run_fit({"--model", "ode", "--fix", "dwell=500"}),
+                "fit: --fix dwell=500: must be from 0.1 to 100 ms");
+}
