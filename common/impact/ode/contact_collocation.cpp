@@ -58,7 +58,8 @@ class Collocation {
   /// Where the depth passes the radius, up and down: the footprint's law changes.
   std::array<double, 2> full_footprint() const {
     const double never = 2.0;
-    if (s_.delta == 0.0) return {never, never};
+    // Without damping the depth is at most 2g + 1.
+    if (s_.delta == 0.0 || s_.radius > 1.0 + 2.0 * s_.gravity) return {never, never};
     const double deepest = c_.normal.deepest_tau();
     if (!(c_.normal.at(deepest).depth > s_.radius)) return {never, never};
     const double release = c_.normal.release_tau();
@@ -109,7 +110,15 @@ class Collocation {
     // Sliding as a rigid contact, without an offset and damping: gripping after 1 - cos(tau) of the impulse.
     const double needed = std::abs(s_.slip0), largest = c_.beta * s_.mu;
     if (!(needed < 1.9 * largest)) return 2.0;
-    return 1.2 * c_.normal.x_of(std::acos(1.0 - needed / largest)) + 0.02;
+    return 1.2 * half_wave(0.5 * needed / largest) + 0.02;
+  }
+
+  /// x at which a share of a half wave's area is passed, to a hundredth.
+  static double half_wave(double share) {
+    const bool low = share <= 0.5;
+    const double r = std::sqrt(std::sqrt(low ? share : 1.0 - share));
+    const double x = r * (0.464296 + r * (0.006923 + r * 0.166477));
+    return low ? x : 1.0 - x;
   }
 
   bool step() {
@@ -142,17 +151,23 @@ class Collocation {
         end_ = solver_.end();
         return advance(to, false);
       }
-      if (!along_ && solver_.error_inside() <= allowed_ && switch_inside(*event)) return true;
-      return switch_near(x_ + (to - x_) * *event);
+      const int before = switches_;
+      const bool inside = !along_ && solver_.error_inside() <= allowed_ && switch_inside(*event);
+      if (inside || switch_near(x_ + (to - x_) * *event)) return true;
+      if (switches_ != before) return false;
+      // The polynomial of a long segment missed it.
+      to = x_ + std::clamp(2.0 * *event, 0.02, 0.5) * (to - x_);
     }
     return false;
   }
 
-  /// Leaves the segment at the event, by its polynomial.
-  bool switch_inside(double share) {
+  /// Leaves the segment at the event, by its polynomial. Returns false if that is not near `found`: the law's own
+  /// polynomial does not resolve it there.
+  bool switch_inside(double found) {
     const FrictionLaw law(c_, mode_);
+    double share = found;
     for (int i = 0; i < 4; ++i) {
-      if (!(share > 0.0 && share < 1.0)) return false;
+      if (!(std::abs(share - found) <= 0.1 * found && share < 1.0)) return false;
       const SegmentPoint at = solver_.point_at(segment_, share);
       const double end = law.value(at), rate = law.rate(at);
       if (!(rate < 0.0)) return false;

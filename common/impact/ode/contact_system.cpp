@@ -100,7 +100,7 @@ double System::offset(const State& z) const {
 double System::tangential_scale() const {
   constexpr double kMinScale = 1e-200;  // of a motion that does not take place; its inverse is finite
   const double offset = delta > 0.0 ? 2.0 * delta * std::sqrt(std::min(1.0, 2.0 / radius)) : 0.0;
-  const double pulled = along != 0.0 ? std::abs(along) * release_phase(zeta) : 0.0;
+  const double pulled = std::abs(along) * release_phase;
   return std::max(std::min(2.0 * mu, std::abs(slip0) + pulled) + offset + pulled, kMinScale);
 }
 
@@ -114,6 +114,7 @@ tl::expected<System, InputError> make_system(const ball::Ball& ball, const Motio
   const double speed = -touchdown.vy_mps;
   System s;
   s.zeta = spring->damping_ratio;
+  s.release_phase = spring->release_phase;
   s.mu = c.mu;
   s.kt = c.stiffness_ratio;
   s.ct = c.damping_ratio * std::sqrt(c.stiffness_ratio);

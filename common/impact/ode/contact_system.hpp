@@ -31,6 +31,7 @@ using State = std::array<double, kComponents>;
 /// The dimensionless coefficients of one contact.
 struct System {
   double zeta = 0.0;
+  double release_phase = 0.0;  ///< time of release without gravity
   double mu = 0.0;
   double kt = 0.0;  ///< k_t/k
   double ct = 0.0;  ///< c_t/sqrt(k·m)

@@ -1,5 +1,6 @@
 #include "common/impact/ode/normal_spring.hpp"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -19,15 +20,19 @@ double arc_over_chord(double zeta) {
   return below > 0.0 ? std::acos(zeta) / std::sqrt(below) : std::acosh(zeta) / std::sqrt(-below);
 }
 
-/// zeta with (pi/2 - delta)·tan(delta) = half_log, zeta = sin(delta): keeps the digits of light damping.
+/// zeta with (pi/2 - delta)·tan(delta) = half_log < 1/2, zeta = sin(delta): keeps the digits of light damping.
 double light_damping(double half_log) {
-  double delta = half_log / (std::numbers::pi / 2.0);
+  // To 1e-7 of delta; each step of Newton's method squares that.
+  constexpr std::array<double, 8> fit{0.636619828269,  0.258011938896, 0.123037469069,  0.0746285756596,
+                                      0.0308674535608, 0.115282137569, -0.138034361802, 0.176833992367};
+  double delta = 0.0;
+  for (std::size_t k = fit.size(); k-- > 0;) delta = fit[k] + delta * half_log;
+  delta *= half_log;
   for (int i = 0; i < 20; ++i) {
-    const double tangent = std::tan(delta);
-    const double rest = std::numbers::pi / 2.0 - delta;
+    const double tangent = std::tan(delta), rest = std::numbers::pi / 2.0 - delta;
     const double step = (rest * tangent - half_log) / (rest * (1.0 + tangent * tangent) - tangent);
     delta -= step;
-    if (std::abs(step) <= 1e-16 * delta) break;
+    if (std::abs(step) <= 1e-9 * delta) break;
   }
   return std::sin(delta);
 }
@@ -93,11 +98,12 @@ tl::expected<NormalSpring, InputError> normal_spring(double mass_kg, double e, d
   if (mass_kg < 1e-30 || mass_kg > 1e30 || dwell_s < 1e-30 || dwell_s > 1e30)
     return tl::unexpected(InputError::magnitude_out_of_range);
   return damping_ratio_from_restitution(e).map([&](double zeta) {
-    const double frequency = release_phase(zeta) / dwell_s;
+    const double phase = release_phase(zeta), frequency = phase / dwell_s;
     return NormalSpring{.stiffness_npm = mass_kg * frequency * frequency,
                         .damping_nspm = 2.0 * zeta * mass_kg * frequency,
                         .damping_ratio = zeta,
-                        .frequency_radps = frequency};
+                        .frequency_radps = frequency,
+                        .release_phase = phase};
   });
 }
 

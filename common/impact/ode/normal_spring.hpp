@@ -34,6 +34,7 @@ struct NormalSpring {
   double damping_nspm = 0.0;     ///< c, N·s/m
   double damping_ratio = 0.0;    ///< zeta
   double frequency_radps = 0.0;  ///< sqrt(k/m)
+  double release_phase = 0.0;    ///< of the damping ratio
 };
 
 /// The spring that gives a ball of `mass_kg` the restitution e and the dwell time, without gravity. Valid: e

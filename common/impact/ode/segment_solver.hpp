@@ -54,7 +54,7 @@ class SegmentSolver {
 
  private:
   static constexpr int kMaxSweeps = 14;
-  static constexpr double kHopeless = 10.0;
+  static constexpr double kHopeless = 1.0;
   static constexpr std::size_t kPoints = Nodes::kPoints;
   static constexpr const GaussLegendre<n>& kRule = kGaussLegendre<n>;
 
@@ -105,7 +105,8 @@ bool SegmentSolver<n, terms>::solve(const Segment& segment, NormalState& to, boo
   return true;
 }
 
-/// K·h(w) at the nodes without the couple. Returns by how much a sweep changes it at most, per change of D.
+/// K·h(w) at the nodes without the couple. Returns what a sweep makes of a change of D: the integral of its slope, half
+/// because D grows along with that integral.
 template <std::size_t n, std::size_t terms>
 double SegmentSolver<n, terms>::first_values() {
   spin_ = nodes_.free_spin;
@@ -124,7 +125,7 @@ double SegmentSolver<n, terms>::first_values() {
   }
   double sum = 0.0;
   for (std::size_t i = 0; i < n; ++i) sum += kRule.weight[i] * slope[i];
-  return sum / c_.system.alpha;
+  return 0.5 * sum / c_.system.alpha;
 }
 
 template <std::size_t n, std::size_t terms>
@@ -191,7 +192,7 @@ bool SegmentSolver<n, terms>::iterate(bool persist) {
     spins();
     if (sweeps_ > 1) ratio = change / before;
     // The next change is this one times the ratio at most, and falls off faster.
-    if (change == 0.0 || change * std::min(ratio, 1.0) <= 0.2 * allowed_) {
+    if (change == 0.0 || change * std::min(ratio, 1.0) <= 0.3 * allowed_) {
       estimate();
       return true;
     }
