@@ -141,6 +141,15 @@ void contacts(Grid& grid) {
   const std::array<double, 9> y{0.0, -0.06, -0.1, -0.16, -0.19, -0.18, -0.13, -0.05, 0.0};
   const auto fit = *contact::fit_cubic(t, y);
   for (std::size_t i = 0; i < 4; ++i) grid.add("cubic fit", fit.coefficients[i], (*fit.standard_errors)[i]);
+  for (const double tolerance : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    for (const double spin : kSpins) {
+      const auto s =
+          *impact::lift_off(ball::Ball{}, {15.62, -6.7, spin}, impact::ContactCoefficients{},
+                            {.method = impact::ContactMethod::collocation, .tolerance = tolerance});
+      grid.add("contact by collocation", s.lift_off.vx_mps, s.lift_off.vy_mps, s.lift_off.omega_radps,
+               s.dwell_distance_m, s.rotation_rad);
+    }
+  }
   for (const double spin : kSpins) {
     const auto s = *impact::simulate(ball::Ball{}, {15.62, -6.7, spin}, impact::ContactCoefficients{});
     grid.add("contact ODE", s.lift_off.vx_mps, s.lift_off.vy_mps, s.lift_off.omega_radps, s.max_force_n,
