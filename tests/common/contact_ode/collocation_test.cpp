@@ -73,10 +73,10 @@ void make_grazing(ContactCase& c, ContactDraws& draws) {
 }
 
 const StressSet kStressSets[] = {
-    {"the whole range", nullptr, 0.15},
+    {"the whole range", nullptr, 0.005},
     {"stiff springs",
      [](ContactCase& c, ContactDraws& d) { c.coefficients.stiffness_ratio = d.over_decades(10.0, 300.0); },
-     0.3},
+     0.1},
     {"dashpots of 0 and 3 to 10",
      [](ContactCase& c, ContactDraws& d) {
        c.coefficients.damping_ratio = d.one_in(4) ? 0.0 : d.between(3.0, 10.0);
@@ -93,7 +93,7 @@ const StressSet kStressSets[] = {
      },
      0.1},
     {"grazing grips", make_grazing, 0.1},
-    {"steep and shallow", make_steep_or_shallow, 0.15},
+    {"steep and shallow", make_steep_or_shallow, 0.02},
     {"weight",
      [](ContactCase& c, ContactDraws& d) {
        c.coefficients.gravity_mps2 = d.one_in(2) ? 9.81 : d.over_decades(0.1, 100.0);
@@ -109,8 +109,8 @@ const StressSet kStressSets[] = {
 
 TEST_GROUP(Collocation){};
 
-// The reference costs far more than what it judges: each contact of it judges all four tolerances. Of 800 draws the
-// integrator took over 59 at most, 7 %; an eighth and three are beyond what chance makes of that.
+// The reference costs far more than what it judges: each contact of it judges all four tolerances. Of 2,000 draws the
+// integrator took over 1 at most; a hundredth and two are beyond what chance makes of that.
 TEST(Collocation, KeepsItsToleranceAgainst34DigitsOverTheWholeRange) {
   const unsigned seed = 20261123;
   const int count = draws_of_a_run(60);
@@ -140,7 +140,7 @@ TEST(Collocation, KeepsItsToleranceAgainst34DigitsOverTheWholeRange) {
               " of it, the integrator took over " + std::to_string(fallbacks[k]) + " of " +
               std::to_string(count) + ", seed " + std::to_string(seed))
                  .c_str());
-    CHECK(fallbacks[k] <= count / 8 + 3);
+    CHECK(fallbacks[k] <= count / 100 + 2);
   }
 }
 
@@ -230,7 +230,7 @@ TEST(Collocation, BouncesOfShotsTakeFewNodesAndNoIntegrator) {
       if (contact) nodes[k] += static_cast<double>(contact->evaluations) / kContacts;
     }
   }
-  const std::array<double, 4> most{41.7, 60.0, 82.0, 113.3};
+  const std::array<double, 4> most{29.8, 57.2, 80.7, 107.1};
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     UT_PRINT((std::to_string(nodes[k]) + " nodes, given up: " + std::to_string(given_up[k])).c_str());
     CHECK(nodes[k] <= 1.05 * most[k]);
