@@ -15,23 +15,6 @@ void add(BallState& sum, const BallState& s, double weight) {
   sum.top_drop_m += weight * s.top_drop_m;
 }
 
-/// When a flight that begins at height `y_m`, upwards, is there again. Returns nullopt if not within two seconds.
-std::optional<double> time_back_down_s(const Flight& flight, double y_m) {
-  constexpr double kStep_s = 1e-3, kLongest_s = 2.0;
-  double above_s = 0.0, below_s = kStep_s;
-  while (flight.at(below_s).y_m >= y_m) {
-    above_s = below_s;
-    below_s += kStep_s;
-    if (below_s > kLongest_s) return std::nullopt;
-  }
-  constexpr int kHalvings = 50;  // of a millisecond: to a double's last digits
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle_s = 0.5 * (above_s + below_s);
-    (flight.at(middle_s).y_m >= y_m ? above_s : below_s) = middle_s;
-  }
-  return above_s;
-}
-
 }  // namespace
 
 BallPath::BallPath(const Scene& scene, const ShotConditions& thrown, const Model& model, ContactPath contact)
@@ -56,7 +39,7 @@ Result<BallPath> BallPath::make(const Scene& scene, const ShotConditions& thrown
 void BallPath::bounce_again(const Scene& scene, const Model& model, const ReducedContact* reduced,
                             int times) {
   if (times <= 0) return;
-  const auto flight_s = time_back_down_s(departure_, radius_m_);
+  const auto flight_s = departure_.time_back_down_s();
   if (!flight_s) return;
   const BallState down = at(dwell_s() + *flight_s);
   const ShotConditions again =
@@ -92,29 +75,52 @@ BallState BallPath::at(double time_s) const {
   const LiftOff& end = contact_.lift_off();
   if (time_s > 0.0 && time_s < end.dwell_s) return contact_at(time_s);
   const bool rebounding = time_s > 0.0;
-  const FlightState s = rebounding ? departure_.at(time_s - end.dwell_s) : approach_.at(time_s);
+  return in_flight(rebounding ? departure_.at(time_s - end.dwell_s) : approach_.at(time_s), rebounding);
+}
+
+BallState BallPath::in_flight(const FlightState& s, bool rebounding) const {
+  const double turned_rad = rebounding ? contact_.lift_off().rotation_rad : 0.0;
   return {.x_m = s.x_m,
           .y_m = s.y_m,
           .vx_mps = s.vx_mps,
           .vy_mps = s.vy_mps,
           .omega_radps = s.omega_radps,
-          .equator_rad = conditions_.equator_rad + (rebounding ? end.rotation_rad : 0.0) + s.rotation_rad};
+          .equator_rad = conditions_.equator_rad + turned_rad + s.rotation_rad};
 }
 
-BallState BallPath::mean_over(double from_s, double duration_s) const {
-  if (duration_s == 0.0) return at(from_s);
+std::array<BallState, 4> BallPath::at(const Flight::Instants& time_s) const {
+  const auto [first, last] = std::ranges::minmax(time_s);
+  const double dwell = dwell_s();
+  const bool rebounding = first > 0.0;
+  const bool flies = last <= 0.0 || (rebounding && first >= dwell && !bounced_again(last));
+  if (!flies) return {at(time_s[0]), at(time_s[1]), at(time_s[2]), at(time_s[3])};
+  Flight::Instants since_s = time_s;
+  if (rebounding)
+    for (double& each_s : since_s) each_s -= dwell;
+  const auto flight = (rebounding ? departure_ : approach_).at(since_s);
+  std::array<BallState, 4> out;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = in_flight(flight[i], rebounding);
+  return out;
+}
+
+BallPath::Lit BallPath::lit(double from_s, double duration_s) const {
+  if (duration_s == 0.0) {
+    const BallState s = at(from_s);
+    return {s, s};
+  }
   const double half_s = 0.5 * duration_s;
   const double aside_s = half_s * std::sqrt(0.6);
   const double middle_s = from_s + half_s;
-  const BallState middle = at(middle_s);
+  const auto [begin, before, middle, after] =
+      at(Flight::Instants{from_s, middle_s - aside_s, middle_s, middle_s + aside_s});
   BallState mean;
-  add(mean, at(middle_s - aside_s), 5.0 / 18.0);
+  add(mean, before, 5.0 / 18.0);
   add(mean, middle, 8.0 / 18.0);
-  add(mean, at(middle_s + aside_s), 5.0 / 18.0);
+  add(mean, after, 5.0 / 18.0);
   mean.vx_mps = middle.vx_mps;
   mean.vy_mps = middle.vy_mps;
   mean.omega_radps = middle.omega_radps;
-  return mean;
+  return {begin, mean};
 }
 
 std::optional<double> BallPath::time_at_distance_s(double distance_m) const {

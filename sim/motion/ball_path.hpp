@@ -5,6 +5,7 @@
 // lift-off: the centre is one radius above the surface. Plain values, thread-safe.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -40,7 +41,13 @@ class BallPath {
 
   /// Mean of the states over the `duration_s` (0: none) from `from_s` on, but for speeds and spin, which are
   /// those of its middle. By Gauss's rule of three points, exact for the fifth power of time.
-  BallState mean_over(double from_s, double duration_s) const;
+  BallState mean_over(double from_s, double duration_s) const { return lit(from_s, duration_s).mean; }
+
+  /// The state where a light of that duration begins, and its mean.
+  struct Lit {
+    BallState begin, mean;
+  };
+  Lit lit(double from_s, double duration_s) const;
 
   /// Whether the ball is in the air there with its centre lower than at touchdown: it would have met the
   /// surface once more than is simulated.
@@ -66,6 +73,8 @@ class BallPath {
  private:
   BallPath(const Scene& scene, const ShotConditions& thrown, const Model& model, ContactPath contact);
   BallState contact_at(double time_s) const;
+  BallState in_flight(const FlightState& s, bool rebounding) const;
+  std::array<BallState, 4> at(const Flight::Instants& time_s) const;
   void bounce_again(const Scene& scene, const Model& model, const ReducedContact* reduced, int times);
 
   ShotConditions conditions_;

@@ -1,6 +1,9 @@
 #include "sim/motion/flight.hpp"
 
+#include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/flight/gravity.hpp"
@@ -14,13 +17,54 @@ namespace {
 constexpr double kStep_s = 2e-3;
 constexpr double kLongest_s = 60.0;
 
-FlightState plus(const FlightState& s, const FlightState& slope, double h_s) {
-  return {s.x_m + h_s * slope.x_m,
-          s.y_m + h_s * slope.y_m,
-          s.vx_mps + h_s * slope.vx_mps,
-          s.vy_mps + h_s * slope.vy_mps,
-          s.omega_radps + h_s * slope.omega_radps,
-          s.rotation_rad + h_s * slope.rotation_rad};
+double steps_to(double time_s) { return std::ceil(std::abs(time_s) / kStep_s); }
+
+/// A FlightState of one instant (double) or of several side by side (an array).
+template <typename Real>
+struct Course {
+  Real x, y, vx, vy, omega, rotation;
+};
+
+using Side = Eigen::Array<double, 4, 1>;
+
+// 0 over 0 is none of the ball's speeds.
+constexpr double kLeastSpeed_mps = std::numeric_limits<double>::min();
+double or_least(double speed_mps) { return std::max(speed_mps, kLeastSpeed_mps); }
+Side or_least(const Side& speed_mps) { return speed_mps.max(kLeastSpeed_mps); }
+
+template <typename Real, typename Law>
+Course<Real> slope(const Law& law, const Course<Real>& s) {
+  using std::abs, std::sqrt;
+  const Real v = sqrt(s.vx * s.vx + s.vy * s.vy);
+  const Real drag = law.drag_pm * v;
+  const Real rim = law.radius_m * s.omega;
+  const Real together = 2.0 * abs(rim) + v;
+  const Real lift = law.lift_pm * v * rim / or_least(together);
+  return {s.vx,
+          s.vy,
+          law.gravity_x_mps2 - drag * s.vx - lift * s.vy,
+          law.gravity_y_mps2 - drag * s.vy + lift * s.vx,
+          -law.decay_pm * v * s.omega,
+          s.omega};
+}
+
+template <typename Real>
+Course<Real> plus(const Course<Real>& s, const Course<Real>& slope, const Real& h) {
+  return {s.x + h * slope.x,   s.y + h * slope.y,         s.vx + h * slope.vx,
+          s.vy + h * slope.vy, s.omega + h * slope.omega, s.rotation + h * slope.rotation};
+}
+
+template <typename Real, typename Law>
+Course<Real> step_of(const Law& law, const Course<Real>& s, const Real& h) {
+  const Real half = 0.5 * h, third = h / 3.0, sixth = h / 6.0;
+  const Course<Real> a = slope(law, s);
+  const Course<Real> b = slope(law, plus(s, a, half));
+  const Course<Real> c = slope(law, plus(s, b, half));
+  const Course<Real> d = slope(law, plus(s, c, h));
+  Course<Real> next = plus(s, a, sixth);
+  next = plus(next, b, third);
+  next = plus(next, c, third);
+  return plus(next, d, sixth);
 }
 
 double density_kgpm3(const AirSettings& air) {
@@ -33,64 +77,86 @@ double density_kgpm3(const AirSettings& air) {
 }  // namespace
 
 Flight::Flight(const Scene& scene, const FlightState& start, double omega_radps, const Model& model)
-    : start_(start),
-      radius_m_(scene.ball.radius_m()),
-      decay_pm_(model.has(Effect::spin_decay) ? scene.air.spin_decay_per_m : 0.0),
-      gravity_x_mps2_(0.0),
-      gravity_y_mps2_(0.0) {
+    : start_(start) {
   start_.omega_radps = omega_radps;
   start_.rotation_rad = 0.0;
-  const double area = std::numbers::pi * radius_m_ * radius_m_;
+  law_.radius_m = scene.ball.radius_m();
+  law_.decay_pm = model.has(Effect::spin_decay) ? scene.air.spin_decay_per_m : 0.0;
+  const double area = std::numbers::pi * law_.radius_m * law_.radius_m;
   const double q = density_kgpm3(scene.air) * area / (2.0 * scene.ball.mass_kg);
-  drag_pm_ = model.has(Effect::drag) ? q * scene.air.drag_coefficient : 0.0;
-  lift_pm_ = model.has(Effect::magnus) && scene.air.lift ? q : 0.0;
-  parabola_ = drag_pm_ == 0.0 && lift_pm_ == 0.0 && decay_pm_ == 0.0;
+  law_.drag_pm = model.has(Effect::drag) ? q * scene.air.drag_coefficient : 0.0;
+  law_.lift_pm = model.has(Effect::magnus) && scene.air.lift ? q : 0.0;
+  parabola_ = law_.drag_pm == 0.0 && law_.lift_pm == 0.0 && law_.decay_pm == 0.0;
   if (!model.has(Effect::gravity)) return;
-  gravity_x_mps2_ = -flight::kStandardGravity_mps2 * std::sin(scene.surface_angle_rad);
-  gravity_y_mps2_ = -flight::kStandardGravity_mps2 * std::cos(scene.surface_angle_rad);
-}
-
-FlightState Flight::slope(const FlightState& s) const {
-  const double v = std::sqrt(s.vx_mps * s.vx_mps + s.vy_mps * s.vy_mps);
-  const double drag = drag_pm_ * v;
-  const double rim = radius_m_ * s.omega_radps;
-  const double lift = v > 0.0 ? lift_pm_ * v * rim / (2.0 * std::abs(rim) + v) : 0.0;
-  return {s.vx_mps,
-          s.vy_mps,
-          gravity_x_mps2_ - drag * s.vx_mps - lift * s.vy_mps,
-          gravity_y_mps2_ - drag * s.vy_mps + lift * s.vx_mps,
-          -decay_pm_ * v * s.omega_radps,
-          s.omega_radps};
+  law_.gravity_x_mps2 = -flight::kStandardGravity_mps2 * std::sin(scene.surface_angle_rad);
+  law_.gravity_y_mps2 = -flight::kStandardGravity_mps2 * std::cos(scene.surface_angle_rad);
 }
 
 FlightState Flight::fall(double time_s) const {
-  const double x = start_.vx_mps + 0.5 * gravity_x_mps2_ * time_s;
-  const double y = start_.vy_mps + 0.5 * gravity_y_mps2_ * time_s;
+  const double x = start_.vx_mps + 0.5 * law_.gravity_x_mps2 * time_s;
+  const double y = start_.vy_mps + 0.5 * law_.gravity_y_mps2 * time_s;
   return {start_.x_m + x * time_s,
           start_.y_m + y * time_s,
-          start_.vx_mps + gravity_x_mps2_ * time_s,
-          start_.vy_mps + gravity_y_mps2_ * time_s,
+          start_.vx_mps + law_.gravity_x_mps2 * time_s,
+          start_.vy_mps + law_.gravity_y_mps2 * time_s,
           start_.omega_radps,
           start_.omega_radps * time_s};
 }
 
 FlightState Flight::step(const FlightState& s, double h_s) const {
-  const FlightState a = slope(s);
-  const FlightState b = slope(plus(s, a, 0.5 * h_s));
-  const FlightState c = slope(plus(s, b, 0.5 * h_s));
-  const FlightState d = slope(plus(s, c, h_s));
-  FlightState next = plus(s, a, h_s / 6.0);
-  next = plus(next, b, h_s / 3.0);
-  next = plus(next, c, h_s / 3.0);
-  return plus(next, d, h_s / 6.0);
+  const Course<double> at{s.x_m, s.y_m, s.vx_mps, s.vy_mps, s.omega_radps, s.rotation_rad};
+  const Course<double> next = step_of(law_, at, h_s);
+  return {next.x, next.y, next.vx, next.vy, next.omega, next.rotation};
 }
 
 FlightState Flight::at(double time_s) const {
   if (parabola_) return fall(time_s);
-  const double steps = std::ceil(std::abs(time_s) / kStep_s);
+  const double steps = steps_to(time_s);
   FlightState s = start_;
   for (int i = 0; i < static_cast<int>(steps); ++i) s = step(s, time_s / steps);
   return s;
+}
+
+std::array<FlightState, 4> Flight::at(const Instants& time_s) const {
+  const double steps = steps_to(time_s[0]);
+  const bool alike =
+      std::ranges::all_of(time_s, [steps](double each_s) { return steps_to(each_s) == steps; });
+  if (parabola_ || !alike || steps == 0.0)
+    return {at(time_s[0]), at(time_s[1]), at(time_s[2]), at(time_s[3])};
+  const Side h = Eigen::Map<const Side>(time_s.data()) / steps;
+  const auto each = [](double value) -> Side { return Side::Constant(value); };
+  Course<Side> s{each(start_.x_m),    each(start_.y_m),         each(start_.vx_mps),
+                 each(start_.vy_mps), each(start_.omega_radps), each(start_.rotation_rad)};
+  for (int i = 0; i < static_cast<int>(steps); ++i) s = step_of(law_, s, h);
+  std::array<FlightState, 4> out;
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    out[k] = {s.x[i], s.y[i], s.vx[i], s.vy[i], s.omega[i], s.rotation[i]};
+  }
+  return out;
+}
+
+std::optional<double> Flight::time_back_down_s() const {
+  constexpr double kScan_s = 1e-3, kLongestBounce_s = 2.0;
+  constexpr double kUnsure_m = 1e-9;  // far more than the steps' errors
+  const double level_m = start_.y_m;
+  FlightState running = start_;
+  double above_s = 0.0, below_s = 0.0;
+  for (;;) {
+    above_s = below_s;
+    below_s += kScan_s;
+    if (below_s > kLongestBounce_s) return std::nullopt;
+    running = parabola_ ? fall(below_s) : step(running, kScan_s);
+    const bool unsure = std::abs(running.y_m - level_m) < kUnsure_m;
+    if ((unsure ? at(below_s).y_m : running.y_m) < level_m) break;
+  }
+  constexpr int kHalvings = 50;  // of a millisecond: to a double's last digits
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle_s = 0.5 * (above_s + below_s);
+    if (middle_s == above_s || middle_s == below_s) break;
+    (at(middle_s).y_m >= level_m ? above_s : below_s) = middle_s;
+  }
+  return above_s;
 }
 
 std::optional<double> Flight::time_back_at_x_s(double x_m) const {

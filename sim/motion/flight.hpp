@@ -13,6 +13,7 @@
 // parabola in closed form.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "sim/scene/model.hpp"
@@ -40,23 +41,34 @@ class Flight {
   /// tennis balls in usual air; it grows with the fifth power of q·|v| and of c·|v|.
   FlightState at(double time_s) const;
 
+  /// What at() gives for each, to the last bit; instants near each other are integrated side by side, in hardly more
+  /// time than one.
+  using Instants = std::array<double, 4>;
+  std::array<FlightState, 4> at(const Instants& time_s) const;
+
+  /// When it is at the height of its start again, which it leaves upwards. Returns nullopt if not within two seconds.
+  std::optional<double> time_back_down_s() const;
+
   /// When, going back from the start, the centre was at `x_m`. Returns nullopt if it was not within a minute.
   /// The ball must move along +x at the start, with x_m behind it.
   std::optional<double> time_back_at_x_s(double x_m) const;
 
  private:
-  FlightState slope(const FlightState& s) const;
+  struct Law {
+    double radius_m = 0.0;
+    double drag_pm = 0.0;   ///< q·C_D, per metre
+    double lift_pm = 0.0;   ///< q, or 0 without lift
+    double decay_pm = 0.0;  ///< of the spin
+    double gravity_x_mps2 = 0.0;
+    double gravity_y_mps2 = 0.0;
+  };
+
   FlightState fall(double time_s) const;
   FlightState step(const FlightState& s, double h_s) const;
 
   FlightState start_;
-  double radius_m_;
-  double drag_pm_;   ///< q·C_D, per metre
-  double lift_pm_;   ///< q, or 0 without lift
-  double decay_pm_;  ///< of the spin
+  Law law_;
   bool parabola_;
-  double gravity_x_mps2_;
-  double gravity_y_mps2_;
 };
 
 }  // namespace strobe::sim

@@ -74,11 +74,10 @@ class Film {
   /// Adds the image if there is one. True: none will follow on this side of the impact.
   bool add(const Blend& blend, std::vector<FilmImage>& images) const {
     const double time_s = to_seconds(blend.time - ball_.touchdown);
-    const BallState begin = ball_.path.at(time_s);
+    const auto [begin, mean] = ball_.path.lit(time_s, flash_s_);
     const double x_m = begin.x_m + ball_.path.spot_m();
     if (ball_.path.beyond_last_bounce(time_s, begin) || !camera_.may_see(x_m)) return true;
-    if (camera_.sees(x_m, begin.y_m))
-      images.push_back({blend.pulse, blend.time, blend.stamp, ball_.path.mean_over(time_s, flash_s_)});
+    if (camera_.sees(x_m, begin.y_m)) images.push_back({blend.pulse, blend.time, blend.stamp, mean});
     return false;
   }
 

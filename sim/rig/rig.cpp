@@ -82,10 +82,15 @@ FlashPlace Rig::begin_or_join_pulse(Lamp lamp, MonoTime at) {
     previous_edge_ = pulses_ > 0 ? pulse_edge_ : kNoTime;
     pulse_edge_ = at;
     ++pulses_;
-    if (current_) current_->pulses.push_back({at, {}, {}, {}});
+    if (current_) {
+      current_->pulses.push_back({at, {}, {}, {}});
+      most_pulses_ = std::max(most_pulses_, current_->pulses.size());
+    }
   }
   in_pulse_[index(lamp)] = true;
-  return {.shot = exposures_, .index = pulses_ - 1, .from_impact = predict_place(pulse_edge_)};
+  return {.shot = exposures_,
+          .index = pulses_ - 1,
+          .from_impact = scene_.faults.empty() ? std::nullopt : predict_place(pulse_edge_)};
 }
 
 std::optional<int> Rig::predict_place(MonoTime edge) const {
@@ -170,6 +175,7 @@ void Rig::on_shutter(int level, MonoTime at) {
     ++exposures_;
     pulses_ = 0;
     current_.emplace();
+    current_->pulses.reserve(most_pulses_);
     current_->shot = exposures_;
     current_->line_on = at;
     shutter_draws_.emplace(seed_, Purpose::shutter, static_cast<std::uint64_t>(exposures_));

@@ -98,6 +98,7 @@ class Rig {
   int pulses_ = 0;  ///< of the current exposure, or since the last one
   int exposures_ = 0;
   std::optional<Exposure> current_;
+  std::size_t most_pulses_ = 0;  ///< of an exposure: room for as many is made at once
   std::vector<Exposure> finished_;
   std::optional<Draws> shutter_draws_;
   Waiting waiting_;
