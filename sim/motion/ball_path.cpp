@@ -88,6 +88,20 @@ BallState BallPath::in_flight(const FlightState& s, bool rebounding) const {
           .equator_rad = conditions_.equator_rad + turned_rad + s.rotation_rad};
 }
 
+BallPath::Place BallPath::roughly_at(double time_s) const {
+  if (bounced_again(time_s)) {
+    const Place next = next_->roughly_at(time_s - next_at_s_);
+    return {next.x_m + next_x_m_, next.y_m};
+  }
+  if (time_s > 0.0 && time_s < dwell_s()) {
+    const BallState s = contact_at(time_s);
+    return {s.x_m, s.y_m};
+  }
+  const FlightState s =
+      time_s > 0.0 ? departure_.roughly_at(time_s - dwell_s()) : approach_.roughly_at(time_s);
+  return {s.x_m, s.y_m};
+}
+
 std::array<BallState, 4> BallPath::at(const Flight::Instants& time_s) const {
   const auto [first, last] = std::ranges::minmax(time_s);
   const double dwell = dwell_s();

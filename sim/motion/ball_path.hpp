@@ -49,6 +49,12 @@ class BallPath {
   };
   Lit lit(double from_s, double duration_s) const;
 
+  struct Place {
+    double x_m = 0.0, y_m = 0.0;
+  };
+  /// Of the centre in free flight, within a centimetre, at a fifth of at()'s cost; in contact that of at().
+  Place roughly_at(double time_s) const;
+
   /// Whether the ball is in the air there with its centre lower than at touchdown: it would have met the
   /// surface once more than is simulated.
   bool beyond_last_bounce(double time_s, const BallState& state) const {

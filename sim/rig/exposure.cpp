@@ -69,22 +69,45 @@ std::vector<Blend> blends_of(const std::vector<Flash>& flashes) {
 class Film {
  public:
   Film(const Scene& scene, const ThrownBall& ball)
-      : camera_(scene), ball_(ball), flash_s_(scene.lamps.flash_s) {}
+      : camera_(scene), ball_(ball), flash_s_(scene.lamps.flash_s), radius_m_(scene.ball.radius_m()) {}
 
   /// Adds the image if there is one. True: none will follow on this side of the impact.
-  bool add(const Blend& blend, std::vector<FilmImage>& images) const {
+  bool add(const Blend& blend, std::vector<FilmImage>& images) {
     const double time_s = to_seconds(blend.time - ball_.touchdown);
+    if (last_view_ == View::above && surely_above(time_s)) return false;
+    // The whole light of a flash costs little more than its begin; where the ball is out of sight that is enough.
+    if (last_view_ != View::seen && judge(time_s, ball_.path.at(time_s)) != View::seen)
+      return last_view_ == View::left;
     const auto [begin, mean] = ball_.path.lit(time_s, flash_s_);
-    const double x_m = begin.x_m + ball_.path.spot_m();
-    if (ball_.path.beyond_last_bounce(time_s, begin) || !camera_.may_see(x_m)) return true;
-    if (camera_.sees(x_m, begin.y_m)) images.push_back({blend.pulse, blend.time, blend.stamp, mean});
-    return false;
+    if (judge(time_s, begin) == View::seen) images.push_back({blend.pulse, blend.time, blend.stamp, mean});
+    return last_view_ == View::left;
   }
 
  private:
+  enum class View { seen, above, left };
+
+  View judge(double time_s, const BallState& begin) {
+    const double x_m = begin.x_m + ball_.path.spot_m();
+    if (ball_.path.beyond_last_bounce(time_s, begin) || !camera_.may_see(x_m))
+      last_view_ = View::left;
+    else
+      last_view_ = camera_.sees(x_m, begin.y_m) ? View::seen : View::above;
+    return last_view_;
+  }
+
+  bool surely_above(double time_s) const {
+    constexpr double kUnsure_m = 0.02;  // twice what the rough place may be off
+    const BallPath::Place p = ball_.path.roughly_at(time_s);
+    const double x_m = std::abs(p.x_m + ball_.path.spot_m());
+    return p.y_m > 2.0 * radius_m_ + kUnsure_m && x_m < camera_.half_width_m() - kUnsure_m &&
+           !camera_.sees(0.0, p.y_m - kUnsure_m);
+  }
+
   Camera camera_;
   const ThrownBall& ball_;
   double flash_s_;
+  double radius_m_;
+  View last_view_ = View::seen;
 };
 
 }  // namespace
@@ -113,7 +136,7 @@ std::vector<FilmImage> film_images(const Scene& scene, const Exposure& exposure)
   std::vector<FilmImage> images;
   if (!exposure.ball || !known(exposure.opened)) return images;
   const std::vector<Blend> blends = blends_of(flashes_on_film(exposure));
-  const Film film(scene, *exposure.ball);
+  Film film(scene, *exposure.ball);
   const auto after = std::ranges::lower_bound(blends, exposure.ball->touchdown, {}, &Blend::time);
   // Outwards from the impact: nothing more is seen once the ball has left the view at its side.
   for (auto blend = after; blend != blends.begin();) {
