@@ -24,7 +24,8 @@ ReleasePartials by_variation(const CollocationConstants& c, const CollocatedCont
   const System& s = c.system;
   const TangentialState& end = contact.release;
   const double tau = contact.tau;
-  const NormalState normal{tau, c.normal.at(tau).depth, contact.rate};
+  // To all digits: what it does to the dwell time, the speeds of touchdown multiply.
+  const NormalState normal = c.normal.at(tau);
   const TangentialPartials& at = equations.partials();
   const NormalPartials by = normal_partials(s, normal);
   ReleasePartials out;
