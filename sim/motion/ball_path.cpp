@@ -93,12 +93,11 @@ BallPath::Place BallPath::roughly_at(double time_s) const {
     const Place next = next_->roughly_at(time_s - next_at_s_);
     return {next.x_m + next_x_m_, next.y_m};
   }
-  if (time_s > 0.0 && time_s < dwell_s()) {
-    const BallState s = contact_at(time_s);
+  if (time_s < dwell_s()) {
+    const BallState s = at(time_s);
     return {s.x_m, s.y_m};
   }
-  const FlightState s =
-      time_s > 0.0 ? departure_.roughly_at(time_s - dwell_s()) : approach_.roughly_at(time_s);
+  const FlightState s = departure_.roughly_at(time_s - dwell_s());
   return {s.x_m, s.y_m};
 }
 

@@ -52,7 +52,7 @@ class BallPath {
   struct Place {
     double x_m = 0.0, y_m = 0.0;
   };
-  /// Of the centre in free flight, within a centimetre, at a fifth of at()'s cost; in contact that of at().
+  /// Of the centre in flight after the contact, within a centimetre, at a fifth of at()'s cost; else that of at().
   Place roughly_at(double time_s) const;
 
   /// Whether the ball is in the air there with its centre lower than at touchdown: it would have met the

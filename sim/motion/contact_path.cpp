@@ -43,8 +43,9 @@ impact::ContactCoefficients ode_coefficients(const Scene& scene, const ShotCondi
   return c;
 }
 
-impact::ContactOptions contact_options(const Model& model) {
-  return {.method = impact::ContactMethod::collocation, .tolerance = model.contact_tolerance()};
+impact::ContactOptions contact_options(const Model& model,
+                                       impact::ContactMethod method = impact::ContactMethod::collocation) {
+  return {.method = method, .tolerance = model.contact_tolerance()};
 }
 
 struct OdeInput {
@@ -159,11 +160,12 @@ bool needs_calibration(const Scene& scene, const Model& model) {
   return scene.bounce.contact == ContactLaw::ode && !ode_is_asked(scene, model);
 }
 
-Result<LiftOff> ode_lift_off(const Scene& scene, const ShotConditions& thrown, const Model& model) {
+Result<LiftOff> ode_lift_off(const Scene& scene, const ShotConditions& thrown, const Model& model,
+                             impact::ContactMethod method) {
   const auto input = ode_input(scene, thrown, model);
   if (!input) return tl::unexpected(input.error());
   const auto release =
-      impact::lift_off(scene.ball, thrown.touchdown, input->coefficients, contact_options(model));
+      impact::lift_off(scene.ball, thrown.touchdown, input->coefficients, contact_options(model, method));
   if (!release) return refused(release.error());
   return rise(scene, thrown.touchdown, *release, input->still_compressed_s * release->lift_off.vy_mps,
               input->coefficients);

@@ -72,7 +72,8 @@ Result<ReducedContact> calibrate(const Scene& scene, const Model& model);
 bool needs_calibration(const Scene& scene, const Model& model);
 
 /// Lift-off by the ODE, offset and weight as the model has them. Fails if the weight holds the ball.
-Result<LiftOff> ode_lift_off(const Scene& scene, const ShotConditions& thrown, const Model& model);
+Result<LiftOff> ode_lift_off(const Scene& scene, const ShotConditions& thrown, const Model& model,
+                             impact::ContactMethod method = impact::ContactMethod::collocation);
 
 /// A damped sine that ends with a given lift-off: the net force is the sine's; displacement and rotation get
 /// a smooth correction so that they end with the given values.

@@ -46,7 +46,7 @@ class Flight {
   using Instants = std::array<double, 4>;
   std::array<FlightState, 4> at(const Instants& time_s) const;
 
-  /// Within a millimetre or so for any ball in any air, at a fifth of at()'s cost.
+  /// Within a centimetre for any ball in any air after the start, at a fifth of at()'s cost.
   FlightState roughly_at(double time_s) const;
 
   /// When it is at the height of its start again, which it leaves upwards. Returns nullopt if not within two seconds.

@@ -96,6 +96,7 @@ class Film {
   }
 
   bool surely_above(double time_s) const {
+    if (time_s < 0.0) return false;
     constexpr double kUnsure_m = 0.02;  // twice what the rough place may be off
     const BallPath::Place p = ball_.path.roughly_at(time_s);
     const double x_m = std::abs(p.x_m + ball_.path.spot_m());

@@ -168,3 +168,55 @@ TEST(RigFlight, HasOnlyWhatTheModelHas) {
   CHECK(with(Effect::spin_decay).rotation_rad < bare.rotation_rad - 1e-3);
   DOUBLES_EQUAL(bare.x_m, with(Effect::spin_decay).x_m, 1e-14);
 }
+
+TEST(RigFlight, InstantsSideBySideAreThoseOfOneToTheLastBit) {
+  Scene scene = scene_of({.drag = 0.55, .lift = true});
+  scene.air.spin_decay_per_m = 0.03;
+  const Flight flight(scene, kStart, -250.0), falling(scene_of({.density = 0.0}), kStart, -250.0);
+  // Near each other; with as many steps; with more steps for some; before and after the start.
+  for (const Flight::Instants& times : {Flight::Instants{0.031, 0.0311, 0.0312, 0.0313},
+                                        {-0.2, -0.1999, -0.1998, -0.1997},
+                                        {0.0, 1e-6, 2e-6, 3e-6},
+                                        {0.0019999, 0.002, 0.0020001, 0.3},
+                                        {-1e-6, 0.0, 0.1, -0.1}}) {
+    for (const Flight* each : {&flight, &falling}) {
+      const auto together = each->at(times);
+      for (std::size_t i = 0; i < times.size(); ++i) {
+        const FlightState alone = each->at(times[i]);
+        DOUBLES_EQUAL(alone.x_m, together[i].x_m, 0.0);
+        DOUBLES_EQUAL(alone.y_m, together[i].y_m, 0.0);
+        DOUBLES_EQUAL(alone.vx_mps, together[i].vx_mps, 0.0);
+        DOUBLES_EQUAL(alone.vy_mps, together[i].vy_mps, 0.0);
+        DOUBLES_EQUAL(alone.omega_radps, together[i].omega_radps, 0.0);
+        DOUBLES_EQUAL(alone.rotation_rad, together[i].rotation_rad, 0.0);
+      }
+    }
+  }
+}
+
+TEST(RigFlight, IsRoughlyWhereItIsWithinACentimetreInAnyAir) {
+  for (const double density : {0.1, 1.2, 12.0}) {
+    for (const double speed : {1.0, 15.0, 60.0}) {
+      for (const double spin : {-600.0, 0.0, 600.0}) {
+        const FlightState start{0.3, 0.2, 0.6 * speed, 0.8 * speed};
+        const Flight flight(scene_of({.drag = 0.6, .lift = true, .density = density}), start, spin);
+        for (const double t : {0.005, 0.05, 0.25, 0.6}) {
+          const FlightState exact = flight.at(t), rough = flight.roughly_at(t);
+          CHECK(std::hypot(rough.x_m - exact.x_m, rough.y_m - exact.y_m) < 0.01);
+        }
+      }
+    }
+  }
+}
+
+// Without air the way up and down is a parabola's; in it the path is back at its start's height to its last digits.
+TEST(RigFlight, ComesDownToTheHeightOfItsStart) {
+  const FlightState rising{0.3, 0.2, 5.0, 4.0};
+  const auto plain = Flight(scene_of({.density = 0.0}), rising, 100.0).time_back_down_s();
+  DOUBLES_EQUAL(8.0 / kGravity_mps2, plain.value(), 1e-14);
+  const Flight flight(scene_of({.drag = 0.55, .lift = true}), rising, 100.0);
+  const double time_s = flight.time_back_down_s().value();
+  DOUBLES_EQUAL(0.2, flight.at(time_s).y_m, 1e-14);
+  CHECK(flight.at(time_s).vy_mps < 0.0);
+  CHECK_FALSE(Flight(scene_of({.density = 0.0}), {0.3, 0.2, 5.0, 12.0}, 0.0).time_back_down_s().has_value());
+}
