@@ -29,6 +29,7 @@ tl::expected<ContactCourse, InputError> ContactCourse::make(const ball::Ball& ba
   const auto system = detail::make_system(ball, touchdown, coefficients);
   if (!system) return tl::unexpected(system.error());
   ContactCourse out;
+  ContactOptions by_steps = options;
   if (detail::collocates(options)) {
     out.tolerance_ = options.tolerance;
     out.constants_ = detail::CollocationConstants::make(*system);
@@ -40,8 +41,9 @@ tl::expected<ContactCourse, InputError> ContactCourse::make(const ball::Ball& ba
     }
     out.constants_.reset();
     out.starts_.clear();
+    by_steps = {.method = ContactMethod::dormand_prince, .tolerance = 1e-12};  // as lift_off() does
   }
-  auto steps = ContactTrajectory::make(ball, touchdown, coefficients, options);
+  auto steps = ContactTrajectory::make(ball, touchdown, coefficients, by_steps);
   if (!steps) return tl::unexpected(steps.error());
   out.lift_off_ = detail::lift_off_of(steps->summary());
   out.by_steps_ = std::make_shared<const ContactTrajectory>(*std::move(steps));

@@ -48,10 +48,10 @@ TEST(ContactCourse, EveryInstantKeepsTheTolerance) {
         DOUBLES_EQUAL_TEXT(want.vy_mps, at.velocity.vy_mps, (tolerance + 1e-11) * normal, text_of(c).c_str());
         DOUBLES_EQUAL_TEXT(radius * want.omega_radps, radius * at.velocity.omega_radps, speed,
                            text_of(c).c_str());
-        DOUBLES_EQUAL_TEXT(want.x_m, at.x_m, speed * dwell + 1e-14 * std::abs(want.x_m), text_of(c).c_str());
+        DOUBLES_EQUAL_TEXT(want.x_m, at.x_m, speed * dwell + 1e-12 * std::abs(want.x_m), text_of(c).c_str());
         DOUBLES_EQUAL_TEXT(want.y_m, at.y_m, (tolerance + 1e-11) * normal * dwell, text_of(c).c_str());
         DOUBLES_EQUAL_TEXT(radius * want.rotation_rad, radius * at.rotation_rad,
-                           speed * dwell + 1e-14 * radius * std::abs(want.rotation_rad), text_of(c).c_str());
+                           speed * dwell + 1e-12 * radius * std::abs(want.rotation_rad), text_of(c).c_str());
       }
     }
   }
