@@ -243,8 +243,7 @@ TEST(ContactSensitivity, TheContactIsThatOfLiftOff) {
 }
 
 // Differences of contacts of 50 digits over 1e-20 of an input's scale have 20 digits and need no second side. By the
-// tolerance, with what the outputs change by, or would with the input, as their scales: with
-// 1e-3 an event is known to some 3 % of the contact, and what that leaves of the derivatives may be a few times as much.
+// tolerance, with what the outputs change by, or would with the input, as their scales: 0.92 of it in 48 contacts.
 TEST(ContactSensitivity, KeepsItsToleranceAgainst50DigitsOverTheWholeRangeAndWhereNumbersAreHard) {
   const char* asked = std::getenv("STROBE_CONTACT_DRAWS");
   const int count = asked ? std::atoi(asked) : repetitions(5);
@@ -269,7 +268,7 @@ TEST(ContactSensitivity, KeepsItsToleranceAgainst50DigitsOverTheWholeRangeAndWhe
         error = derivative_error(drawn, got, *finer, tolerance) / tolerance;
       }
       worst[k] = std::max(worst[k], error);
-      CHECK_TEXT(error <= 5.0,
+      CHECK_TEXT(error <= 2.0,
                  (std::to_string(error) + " of " + std::to_string(tolerance) + ": " + text_of(drawn.contact))
                      .c_str());
     }
