@@ -43,6 +43,11 @@ bool take_grip(const Row& row, PredictInput& in) {
 /// The method's own error control holds it to its tolerance on every impact.
 bool is_adaptive(const Row& row) { return row.method == "ode" || row.method == "collocation"; }
 
+/// What it may be wrong by on any impact: its tolerance, or what was measured where that is more.
+double own_error(const Row& adaptive) {
+  return std::max(adaptive.error, number<double>(adaptive, "tolerance").value_or(0.0));
+}
+
 bool take_return_mapping(const Row& row, PredictInput& in) {
   const auto steps = number<int>(row, "steps");
   in.model = "return_mapping";
@@ -130,7 +135,7 @@ class Runs {
     if (!checked) return false;
     choice.taken.checked_by = *check;
     choice.taken.error_estimate =
-        difference(in_, prediction.rebound.lift_off, checked->rebound.lift_off) + check->error;
+        difference(in_, prediction.rebound.lift_off, checked->rebound.lift_off) + own_error(*check);
     if (!requirement_.tolerance) return false;
     choice.within_tolerance = *choice.taken.error_estimate <= *requirement_.tolerance;
     if (*choice.within_tolerance || !may_be_taken(*check)) return false;
@@ -181,8 +186,7 @@ class Runs {
 
 ImpactPromise promise_of(const TriedModel& taken) {
   if (taken.error_estimate) return {*taken.error_estimate, PromiseBasis::check};
-  if (is_adaptive(taken.row))
-    return {number<double>(taken.row, "tolerance").value_or(taken.row.error), PromiseBasis::error_control};
+  if (is_adaptive(taken.row)) return {own_error(taken.row), PromiseBasis::error_control};
   return {taken.row.error, PromiseBasis::worst_measured};
 }
 

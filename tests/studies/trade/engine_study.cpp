@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/impact/closed_form/rebound.hpp"
+#include "common/impact/ode/return_mapping.hpp"
 #include "tests/studies/trade/engines/engine.hpp"
 #include "tests/studies/trade/known_impacts.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
@@ -158,31 +159,41 @@ void add_own(Study& study, std::vector<ImpactScene> practical, std::vector<Impac
     for (ImpactScene& s : *scenes) s.contact.offset_share = 0.0;
   const auto known_practical = known_impacts(practical);
   const auto known_thesis = known_impacts(thesis);
-  const auto add = [&](const char* method, const std::string& parameter,
-                       const impact::ContactOptions& options) {
+  const auto add = [&](const char* method, const std::string& parameter, const auto& lift_off) {
     Row row{.method = method, .parameter = parameter, .source = Source::numerical};
     const auto over_all = [&](const std::vector<KnownImpact>& known) {
       Tally tally;
-      for (const KnownImpact& k : known)
-        tally.add(lift_off_error(
-            k.scene, impact::simulate(k.scene.ball, k.scene.touchdown, k.scene.contact, options)->lift_off,
-            k.lift_off));
+      for (const KnownImpact& k : known) tally.add(lift_off_error(k.scene, lift_off(k.scene), k.lift_off));
       return tally.error();
     };
     row.practical = over_all(known_practical);
     row.thesis = over_all(known_thesis);
-    row.cost_us = least_cost_us(effort.repetitions, practical.size(), [&](std::size_t i) {
-      const ImpactScene& s = practical[i];
-      keep(impact::simulate(s.ball, s.touchdown, s.contact, options));
-    });
+    row.cost_us = least_cost_us(effort.repetitions, practical.size(),
+                                [&](std::size_t i) { keep(lift_off(practical[i])); });
     row.remark = "with tangential compliance";
     study.rows.push_back(row);
   };
+  const auto integrated = [](const impact::ContactOptions& options) {
+    return [options](const ImpactScene& s) {
+      return impact::simulate(s.ball, s.touchdown, s.contact, options)->lift_off;
+    };
+  };
+  for (const int steps : {3, 8, 16, 32})
+    add("return_mapping", fmt::format("steps={}", steps), [steps](const ImpactScene& s) {
+      return impact::return_mapping(s.ball, s.touchdown, s.contact, steps)->lift_off;
+    });
+  for (const double tolerance : {1e-3, 1e-6, 1e-9, 1e-12})
+    add("collocation", fmt::format("tolerance={}", tolerance), [tolerance](const ImpactScene& s) {
+      return impact::lift_off(s.ball, s.touchdown, s.contact,
+                              {.method = impact::ContactMethod::collocation, .tolerance = tolerance})
+          ->lift_off;
+    });
   for (const int steps : {10, 20, 50})
-    add("ode_rk4", fmt::format("steps={}", steps), {.method = impact::ContactMethod::rk4, .steps = steps});
+    add("ode_rk4", fmt::format("steps={}", steps),
+        integrated({.method = impact::ContactMethod::rk4, .steps = steps}));
   for (const double tolerance : {1e-3, 1e-6, 1e-9, 1e-12})
     add("ode", fmt::format("tolerance={}", tolerance),
-        {.method = impact::ContactMethod::dormand_prince, .tolerance = tolerance});
+        integrated({.method = impact::ContactMethod::dormand_prince, .tolerance = tolerance}));
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ std::string engines_text(const Study& study) {
     for (const std::size_t i : beyond) text += "  not " + label(study.rows[i]) + "\n";
   };
   list("", "a method of the product");
-  list("rigid", "the product's integrated mechanics alone (without the closed form)");
+  list("rigid", "the product's contact mechanics alone (without the closed form)");
   return text;
 }
 
