@@ -70,7 +70,7 @@ TEST(ChoiceCommands, PredictTellsItsChoiceInWords) {
                {"chosen ode tolerance=0.001: the most exact of 5 methods that meets 10 us; at most 1% of "
                 "v_td in 9 us as measured\n",
                 "not checked on this impact: no time for a more exact run\n",
-                "promised for this impact: 0.1%, by the method's own error control\n"});
+                "promised for this impact: 1%, by the method's own error control\n"});
 }
 
 TEST(ChoiceCommands, PredictSaysWithHowManyStepsItIntegrated) {
