@@ -55,7 +55,9 @@ constexpr std::string_view name(PosteriorMethod method) {
 struct PosteriorOptions {
   PosteriorMethod method = PosteriorMethod::automatic;
   std::uint64_t seed = 1;
-  int draws = 4000;  ///< 50 or more; metropolis: of each of four chains
+  /// 50 or more; metropolis: three halves of it in each of four chains. 0: as many as some seconds allow, 8000 for a few
+  /// shots, down to 1500.
+  int draws = 0;
   sampling::Progress progress{};
 };
 

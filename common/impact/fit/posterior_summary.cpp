@@ -21,6 +21,7 @@ using Eigen::VectorXd;
 /// Draws that are worth so many independent ones give an interval's end to a tenth of an sd.
 constexpr double kEnoughDraws = 300.0;
 constexpr double kMaxRHat = 1.05;
+constexpr double kContactsOfARound = 5e5;
 constexpr double kLowerLevel = 0.5 * (1.0 - kIntervalLevel);
 
 struct Ends {
@@ -78,6 +79,12 @@ void by_metropolis(const ContactPosterior& posterior, const PosteriorOptions& op
   out.reliable = *out.r_hat <= kMaxRHat && out.effective_size >= kEnoughDraws;
 }
 
+PosteriorOptions with_draws(PosteriorOptions options, std::size_t shots) {
+  const double chosen = std::clamp(kContactsOfARound / static_cast<double>(shots), 1500.0, 8000.0);
+  if (options.draws == 0) options.draws = static_cast<int>(chosen);
+  return options;
+}
+
 Posterior sampled(const ContactPosterior& posterior, const PosteriorOptions& options) {
   Posterior out;
   out.seed = options.seed;
@@ -122,7 +129,7 @@ void add_posterior(const Fitter& least, ModelFit& fit) {
   if (least.free().empty()) return;
   const ContactPosterior posterior(least);
   const ReboundModel model = least.options().model;
-  Posterior found = sampled(posterior, least.options().posterior);
+  Posterior found = sampled(posterior, with_draws(least.options().posterior, least.observations().size()));
   const std::vector<Ends> laplace = laplace_ends(posterior);
   const std::vector<Ends> ends = found.sample.points.size() > 0 ? sampled_ends(found.sample) : laplace;
   found.laplace_shift = largest_shift(ends, laplace);

@@ -39,7 +39,7 @@ struct Arguments {
   std::string spin;
   std::string sampler = "auto";
   std::uint64_t seed = 1;
-  int draws = 4000;
+  int draws = 0;
   double diameter_m = ball::kThesisDiameter_m;
   double gravity_mps2 = flight::kStandardGravity_mps2;
   bool as_printed = false;
@@ -284,9 +284,10 @@ void add_ode_options(CLI::App& command, Arguments& a) {
               "metropolis")
           ->check(CLI::IsMember({"auto", "importance", "metropolis", "laplace"}))
           ->capture_default_str());
-  a.of_ode.push_back(command.add_option("--draws", a.draws, "ode: draws of the sampler")
-                         ->check(CLI::Range(200, 1000000))
-                         ->capture_default_str());
+  a.of_ode.push_back(command
+                         .add_option("--draws", a.draws,
+                                     "ode: draws of the sampler [8000 for a few shots, 1500 for hundreds]")
+                         ->check(CLI::Range(200, 1000000)));
   a.of_ode.push_back(command.add_option("--seed", a.seed, "ode: of the draws")->capture_default_str());
   a.of_ode.push_back(
       command

@@ -55,8 +55,8 @@ std::string value_text(Parameter p, const FittedParameter& f) {
   return fmt::format("{:.5g}{}  {}{}", value, display_unit(p), impact::name(f.status), limit_text(p, f));
 }
 
-bool is_fitted(const impact::ModelFit& fit, Parameter p) {
-  return fit.parameters[impact::index(p)].sd.has_value();
+bool each_has_its_dwell_time(const FitData& data) {
+  return std::ranges::all_of(data.observations, [](const impact::Observation& o) { return o.dwell_s > 0.0; });
 }
 
 void print_parameters(const FitReport& r) {
@@ -69,7 +69,7 @@ void print_parameters(const FitReport& r) {
   for (std::size_t i = 0; i < kParameterCount; ++i) {
     const auto p = static_cast<Parameter>(i);
     if (!impact::has_parameter(r.options.model, p)) continue;
-    const bool own_dwell = p == Parameter::dwell_s && r.options.free[i] && !is_fitted(r.fit, p);
+    const bool own_dwell = p == Parameter::dwell_s && each_has_its_dwell_time(r.data);
     write_out(fmt::format("  {:<{}} {}\n", impact::name(p), r.fit.posterior ? 15 : 6,
                           own_dwell ? "each observation's own" : value_text(p, r.fit.parameters[i])));
   }

@@ -85,6 +85,7 @@ Result<ShotSession> shoot_session(const std::vector<sim::Scene>& scenes, int sho
   out.options = impact::default_options(impact::ReboundModel::ode);
   out.options.weighting = impact::Weighting::stated_sd;
   out.options.posterior.seed = seed;
+  out.options.posterior.draws = 2000;
   for (const sim::Scene& scene : scenes) {
     auto shooter = sim::Shooter::make(with_coefficients(scene, out.truth), source());
     if (!shooter) return tl::unexpected(shooter.error());
