@@ -49,6 +49,7 @@ class Collocation {
 
  private:
   static constexpr int kMaxAttempts = 12;
+  static constexpr int kMaxGrazingAttempts = 4;
   /// Growth of exp(b·t) and of the hyperbolic functions within a segment: what the difference of its ends loses.
   static constexpr double kMaxGrowth = 4.0;
   /// Decay, within a segment, of what the stretch of a slip began with: Gauss's rule of n nodes integrates its square
@@ -146,6 +147,10 @@ class Collocation {
         to = x_ + 0.2 * (to - x_);
         continue;
       }
+      if (attempt < kMaxGrazingAttempts && law_.may_graze()) {
+        to = x_ + 0.6 * (to - x_);
+        continue;
+      }
       const std::optional<double> event = law_.find_event();
       if (!event) {
         end_ = solver_.end();
@@ -172,7 +177,7 @@ class Collocation {
       const double end = law.value(at), rate = law.rate(at);
       if (!(rate < 0.0)) return false;
       const double late = end / rate;
-      if (std::abs(0.5 * law.weight() * end * late) <= 0.3 * allowed_) {
+      if (std::abs(0.5 * law.weight() * end * late) <= 0.1 * allowed_) {
         to_ = at.normal;
         end_ = at.tangential;
         event_tau_ = to_.tau - late;

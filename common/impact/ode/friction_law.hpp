@@ -113,6 +113,16 @@ class LawAlongSegment {
     return true;
   }
 
+  /// A law that flattens out before the sample where it is broken may have been broken and kept again between two
+  /// samples, all of which fall: that takes nodes nearer to each other.
+  bool may_graze() const {
+    std::size_t broken = 2;
+    while (broken <= n && !(law_[broken] < -noise_)) ++broken;
+    if (!grips_ || broken > n) return false;
+    const auto slope = [this](std::size_t i) { return (law_[i] - law_[i - 1]) / (share(i) - share(i - 1)); };
+    return slope(broken) > 0.5 * slope(broken - 1) && law_[broken - 1] < 0.1 * limit_[broken - 1];
+  }
+
   /// The share of the segment where the law is first broken, by the polynomial through its nodes. Returns nullopt if
   /// it holds throughout.
   std::optional<double> find_event() {

@@ -34,7 +34,7 @@ class SegmentSolver {
 
   /// Of D between the nodes of a segment that is left where its friction changes: the polynomial's first term
   /// that is not seen, P_n, and its integral.
-  double error_inside() const { return 0.25 * last_ * std::sqrt(local_fall_) / static_cast<double>(n); }
+  double error_inside() const { return 0.5 * last_ * std::sqrt(local_fall_) / static_cast<double>(n); }
 
   /// The state at a share of the segment by the polynomial.
   SegmentPoint point_at(const Segment& segment, double share) const;
