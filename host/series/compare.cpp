@@ -13,7 +13,7 @@ namespace {
 
 using reduction::kQuantityCount;
 
-constexpr int kMostShots = 1000000;
+constexpr int kMaxShots = 1000000;
 
 /// What of two means' uncertainty shots can lessen, and what they cannot.
 struct Variances {
@@ -42,8 +42,8 @@ struct Variances {
 /// The fewest shots of each, no fewer than there are, by which the difference is found.
 void count_shots(const Variances& v, int n1, int n2, QuantityDifference& d) {
   const auto found_by = [&](int n) { return v.find(d.asked, std::max(n, n1), std::max(n, n2)); };
-  if (!(d.asked > 0.0) || !found_by(kMostShots)) return;
-  int few = 1, many = kMostShots;
+  if (!(d.asked > 0.0) || !found_by(kMaxShots)) return;
+  int few = 1, many = kMaxShots;
   if (found_by(2)) many = 2;
   while (many - few > 1) {
     const int middle = few + (many - few) / 2;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLargest = 1e100;
 constexpr double kMargin = 0.06;  // of the span, on either side
-constexpr int kMostNames = 25;    // on an axis
+constexpr int kMaxNames = 25;     // on an axis
 
 bool drawable(double value) { return std::abs(value) <= kLargest; }  // false for NaN
 
@@ -53,11 +53,11 @@ Axis axis_of(const report::Panel& panel, const std::optional<std::pair<double, d
   return axis_for(values_of(panel, of_x));
 }
 
-/// At most kMostNames of them.
+/// At most kMaxNames of them.
 Axis named_axis(const std::vector<std::string>& names) {
   const int count = static_cast<int>(names.size());
   Axis axis{.low = 0.5, .high = std::max(1, count) + 0.5, .ticks = {}};
-  const int step = (count + kMostNames - 1) / kMostNames;
+  const int step = (count + kMaxNames - 1) / kMaxNames;
   for (int i = 0; i < count; i += std::max(1, step))
     axis.ticks.push_back({i + 1.0, names[static_cast<std::size_t>(i)]});
   return axis;

@@ -21,7 +21,7 @@ namespace {
 using reduction::Quantity;
 
 /// A cubic has four coefficients; one more image tells how well it fits.
-constexpr std::size_t kLeastImages = 5;
+constexpr std::size_t kMinImages = 5;
 
 struct ContactImages {
   data::ContactSet set;
@@ -137,7 +137,7 @@ void add(Section& section, const ConditionGroup& group, const ReportInput& input
   if (!own) return;
   auto inputs = with(*input.thesis, *own, {own->name(), {}});
   ContactImages images = images_of(group, report::contact_scale(inputs, *own).total_rotation_rad);
-  if (images.images < kLeastImages) return;
+  if (images.images < kMinImages) return;
   inputs.used.contact[own->name()] = std::move(images.set);
   auto figures = report::figures(inputs, {own->name()});
   if (!figures) return;
