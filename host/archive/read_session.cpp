@@ -10,11 +10,12 @@
 #include "common/config/files.hpp"
 #include "host/archive/photograph_files.hpp"
 #include "host/archive/played_session.hpp"
-#include "host/session/run_record.hpp"
 #include "host/archive/session_rigs.hpp"
 #include "host/archive/shot_outcome.hpp"
 #include "host/archive/stored_digitizations.hpp"
+#include "host/session/log_files.hpp"
 #include "host/session/results_rows.hpp"
+#include "host/session/run_record.hpp"
 #include "host/session/session_folder.hpp"
 #include "host/session/shot_names.hpp"
 

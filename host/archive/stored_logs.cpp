@@ -14,17 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> logs_named(const fs::path& folder, std::string_view before) {
-  std::vector<fs::path> found;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    if (name.starts_with(before) && name.ends_with(".lcmlog")) found.push_back(entry->path());
-  }
-  std::ranges::sort(found);
-  return found;
-}
-
 std::optional<int> digits(std::string_view text, std::size_t from, std::size_t count) {
   int number = 0;
   if (text.size() < from + count) return std::nullopt;
@@ -51,9 +40,6 @@ WallTime start_in(const std::string& name) {
 }
 
 }  // namespace
-
-std::vector<fs::path> host_logs(const fs::path& folder) { return logs_named(folder, "host-"); }
-std::vector<fs::path> journals(const fs::path& folder) { return logs_named(folder, "journal-"); }
 
 Result<StoredLogs> StoredLogs::open(std::vector<fs::path> paths) {
   std::vector<Log> logs;

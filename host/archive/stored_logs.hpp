@@ -16,11 +16,6 @@
 
 namespace strobe::host {
 
-/// The hosts' logs in the folder, in the order of their names, which is that of their starts.
-std::vector<std::filesystem::path> host_logs(const std::filesystem::path& folder);
-/// The firmware's journals in the folder, in the order of their names, which says nothing.
-std::vector<std::filesystem::path> journals(const std::filesystem::path& folder);
-
 /// One record of a log.
 struct LogMessage {
   std::string channel;

@@ -7,6 +7,7 @@
 #include "common/messages/well_formed.hpp"
 #include "common/wire/log_reader.hpp"
 #include "host/export/message_json.hpp"
+#include "host/session/log_files.hpp"
 
 namespace strobe::host {
 namespace {
@@ -162,18 +163,11 @@ Result<std::vector<fs::path>> logs_of(const fs::path& log_or_session) {
     if (fs::is_regular_file(log_or_session, error)) return std::vector{log_or_session};
     return fail(log_or_session.string() + ": no such file or folder");
   }
-  std::vector<fs::path> hosts, journals;
-  for (const auto& entry : fs::directory_iterator(log_or_session, error)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.ends_with(".lcmlog")) continue;
-    if (name.starts_with("host-")) hosts.push_back(entry.path());
-    if (name.starts_with("journal-")) journals.push_back(entry.path());
-  }
+  auto logs = host_logs(log_or_session, error);
+  if (!error && logs.empty()) logs = journals(log_or_session, error);
   if (error) return fail(log_or_session.string() + ": " + error.message());
-  std::vector<fs::path>& logs = hosts.empty() ? journals : hosts;
   if (logs.empty())
     return fail(log_or_session.string() + ": no log of a session: host-*.lcmlog or journal-*.lcmlog");
-  std::ranges::sort(logs);
   return logs;
 }
 

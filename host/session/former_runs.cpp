@@ -14,6 +14,7 @@
 #include "common/messages/channels.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/wire/log_reader.hpp"
+#include "host/session/log_files.hpp"
 #include "host/session/results_rows.hpp"
 
 namespace strobe::host {
@@ -95,19 +96,6 @@ class RunReader {
   std::array<std::string, messages::kChannelKinds.size()> channels_;
 };
 
-/// In the order of their starts.
-std::vector<fs::path> logs_in(const fs::path& folder, const fs::path& own_log) {
-  std::vector<fs::path> logs;
-  std::error_code error;
-  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    const std::string name = at->path().filename().string();
-    if (name.starts_with("host-") && name.ends_with(".lcmlog") && at->path() != own_log)
-      logs.push_back(at->path());
-  }
-  std::sort(logs.begin(), logs.end());
-  return logs;
-}
-
 }  // namespace
 
 int FormerRuns::counted() const {
@@ -146,7 +134,8 @@ Result<FormerRuns> read_former_runs(const fs::path& folder, const std::string& r
   for (const RunRecord& run : former.runs) former.host_ids.insert(run.host_id);
   former.results = read_result_rows(folder);
   RunReader reader(rig, key, former);
-  for (const fs::path& log : logs_in(folder, own_log)) reader.read(log);
+  for (const fs::path& log : host_logs(folder))
+    if (log != own_log) reader.read(log);
   return former;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/session/event_log.hpp"
+#include "host/session/log_files.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include "tests/support/string_from.hpp"
