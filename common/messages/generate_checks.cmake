@@ -4,6 +4,7 @@
 #   [0, 64]   [ARM, CLEAR]   [0, inf)   (0, inf) or NaN   [-2^60, 2^60] or NO_TIME
 # The size of an array must have one.
 cmake_minimum_required(VERSION 3.25)
+include(${CMAKE_CURRENT_LIST_DIR}/lcm_text.cmake)
 
 set(boolean_bytes 1)
 set(byte_bytes 1)
@@ -97,17 +98,12 @@ set(definitions "")
 set(instances "")
 foreach(file ${TYPES})
   get_filename_component(type ${file} NAME_WE)
-  # CMake's lists split at semicolons, but not within brackets.
-  file(READ ${file} text)
-  string(REPLACE ";" "<semicolon>" text "${text}")
-  string(REPLACE "[" "<open>" text "${text}")
-  string(REPLACE "]" "<close>" text "${text}")
-  string(REPLACE "\n" ";" lines "${text}")
+  read_lcm_lines(${file} text lines)
   set(bytes 0)
   set(walk "")
   set(ranges "")
   foreach(line ${lines})
-    if(NOT line MATCHES "^  ([a-z0-9_]+) +([a-z0-9_]+)(<open>([a-z0-9_]+)<close>)?<semicolon> *(// *(.*))?$")
+    if(NOT line MATCHES "${LCM_FIELD}")
       continue()
     endif()
     set(kind "${CMAKE_MATCH_1}")
