@@ -30,10 +30,6 @@ constexpr std::array<std::string_view, kSourceCount> kNames{"centres",
                                                             "lift coefficient, rebound",
                                                             "spin decay"};
 
-double difference_of(const std::optional<double>& up, const std::optional<double>& down) {
-  return up && down ? (*up - *down) / (2.0 * kStep_sd) : 0.0;
-}
-
 /// By one standard deviation of the input.
 std::array<double, kQuantityCount> effects(const Inputs& inputs, const Input& input,
                                            const PropagationOptions& propagation) {
@@ -47,7 +43,7 @@ std::array<double, kQuantityCount> effects(const Inputs& inputs, const Input& in
   std::array<double, kQuantityCount> by_one{};
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
-    by_one[i] = difference_of(up[q], down[q]);
+    by_one[i] = difference(up[q], down[q]) / (2.0 * kStep_sd);
   }
   return by_one;
 }

@@ -22,10 +22,6 @@ void shift(Observations& all, const ObservedMapError& error) {
   for (std::size_t i = 0; i < all.surface_m.size(); ++i) all.surface_m[i] += error.surface_m[i];
 }
 
-double difference(const std::optional<double>& a, const std::optional<double>& b) {
-  return a && b ? *a - *b : 0.0;
-}
-
 void add(const Quantities& variance, Readout& readout) {
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);

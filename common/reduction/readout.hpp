@@ -56,6 +56,11 @@ class Quantities {
   std::array<std::optional<double>, kQuantityCount> values_{};
 };
 
+/// a - b; 0 where one is absent.
+inline double difference(const std::optional<double>& a, const std::optional<double>& b) {
+  return a && b ? *a - *b : 0.0;
+}
+
 /// One contact image as the thesis's program reports it. Fractions: of the dwell time, of the distance along
 /// the surface, of the rotation; y: drop of the top of the ball over the diameter, negative in contact.
 struct ContactImage {
