@@ -6,6 +6,7 @@
 #include "host/view/render.hpp"
 #include "host/view/text.hpp"
 #include "host/view/timing.hpp"
+#include "tests/host/rendered_rows.hpp"
 
 #include "tests/support/string_from.hpp"
 
@@ -17,23 +18,12 @@ using host::ShotResult;
 using host::ViewModel;
 using reduction::Flag;
 using reduction::Quantity;
+using strobe::testing::row;
 
 std::string joined(const std::vector<std::string>& lines) {
   std::string text;
   for (const std::string& line : lines) text += line + "\n";
   return text;
-}
-
-/// The line that starts with the words, with runs of spaces as one.
-std::string row(const std::vector<std::string>& lines, const std::string& words) {
-  for (const std::string& line : lines) {
-    if (line.rfind(words, 0) != 0) continue;
-    std::string text;
-    for (const char c : line)
-      if (c != ' ' || (!text.empty() && text.back() != ' ')) text += c;
-    return text;
-  }
-  return "";
 }
 
 ShotResult example(int id = 4, double vx = 15.6234) {

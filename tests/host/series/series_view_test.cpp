@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/view/series_json.hpp"
+#include "tests/host/rendered_rows.hpp"
 #include "tests/host/series/simulated_series.hpp"
 #include "tests/support/string_from.hpp"
 
@@ -11,20 +12,9 @@ using namespace strobe;
 using namespace strobe::host;
 using namespace strobe::test;
 using reduction::Quantity;
+using strobe::testing::row;
 
 namespace {
-
-/// The line that starts with the words, with runs of spaces as one.
-std::string row(const std::vector<std::string>& lines, const std::string& words) {
-  for (const std::string& line : lines) {
-    if (line.rfind(words, 0) != 0) continue;
-    std::string text;
-    for (const char c : line)
-      if (c != ' ' || (!text.empty() && text.back() != ' ')) text += c;
-    return text;
-  }
-  return "";
-}
 
 SeriesSummary example() { return summarize("zero 23", series_shots({10.0, 12.0, 14.0}, 0.5)); }
 
