@@ -8,24 +8,6 @@
 #include "host/clock/machine_clock.hpp"
 
 namespace strobe::host {
-namespace {
-
-/// Every two seconds a line for a person.
-class ReadingNotes {
- public:
-  void operator()(double share) {
-    constexpr Duration kEvery = std::chrono::seconds{2};
-    const HostTime now = steady_now();
-    if (now - told_ < kEvery || ::isatty(STDERR_FILENO) != 1) return;
-    told_ = now;
-    fmt::print(stderr, "strobe: {:.0f} % of the session read\n", 100.0 * share);
-  }
-
- private:
-  HostTime told_ = steady_now();
-};
-
-}  // namespace
 
 void add_session_options(CLI::App& command, SessionOptions& options) {
   command.add_option("--rig", options.rig_path,
@@ -36,8 +18,18 @@ void add_session_options(CLI::App& command, SessionOptions& options) {
       "its seal is shown as unverified");
 }
 
+std::function<void(double share)> reading_notes(const std::string& name) {
+  return [name, told = steady_now()](double share) mutable {
+    constexpr Duration kEvery = std::chrono::seconds{2};
+    const HostTime now = steady_now();
+    if (now - told < kEvery || ::isatty(STDERR_FILENO) != 1) return;
+    told = now;
+    fmt::print(stderr, "strobe: {:.0f} % of {} read\n", 100.0 * share, name);
+  };
+}
+
 Result<StoredSession> read_for(Terminal& terminal, const std::string& folder, const SessionOptions& options) {
-  auto session = read_session(folder, {options.rig_path, options.key_file, ReadingNotes()});
+  auto session = read_session(folder, {options.rig_path, options.key_file, reading_notes(folder)});
   if (!session) return session;
   for (const std::string& remark : session->remarks) terminal.note(remark);
   return session;

@@ -1,6 +1,7 @@
 // What the commands that read a session's folder share. Single-threaded.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "common/result.hpp"
@@ -20,6 +21,9 @@ struct SessionOptions {
 
 /// Adds --rig and --key-file.
 void add_session_options(CLI::App& command, SessionOptions& options);
+
+/// Tells a person at a terminal every two seconds how much of the session has been read.
+std::function<void(double share)> reading_notes(const std::string& name);
 
 /// The session, with its remarks told; at a terminal also how far the reading is, if it takes long.
 Result<StoredSession> read_for(Terminal& terminal, const std::string& folder, const SessionOptions& options);

@@ -12,6 +12,7 @@
 #include "common/config/files.hpp"
 #include "host/archive/read_session.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/session_options.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/report/build_report.hpp"
 #include "host/report/content/summarize_shots.hpp"
@@ -29,8 +30,7 @@ using lab_report::ReportInput;
 struct ReportOptions {
   std::vector<std::string> folders;
   std::string out;
-  std::string rig_path;
-  std::string key_file;
+  SessionOptions session;
   std::vector<std::string> limits;
   std::string rule = "guarded";
   Statements statements;
@@ -92,13 +92,10 @@ Result<void> take_limits(const ReportOptions& options, ReportInput& input) {
   return {};
 }
 
-Result<void> read_for_report(const ReportOptions& options, ReportInput& input, ReportProgress& progress) {
-  for (std::size_t i = 0; i < options.folders.size(); ++i) {
-    ReadSessionOptions how{.rig_path = options.rig_path, .key_file = options.key_file, .progress = {}};
-    how.progress = [&](double share) {
-      progress.tell(static_cast<std::size_t>(100.0 * share), 100, options.folders[i]);
-    };
-    auto session = read_session(options.folders[i], how);
+Result<void> read_for_report(const ReportOptions& options, ReportInput& input) {
+  for (const std::string& folder : options.folders) {
+    auto session =
+        read_session(folder, {options.session.rig_path, options.session.key_file, reading_notes(folder)});
     if (!session) return tl::unexpected(session.error());
     input.sessions.push_back(*std::move(session));
   }
@@ -144,12 +141,11 @@ int run_report(const ReportOptions& options) {
     if (!found) return failed("report: " + found.error().message);
     printer = *found;
   }
-  ReportProgress progress;
-  if (const auto read = read_for_report(options, input, progress); !read)
-    return bad_input(read.error().message);
+  if (const auto read = read_for_report(options, input); !read) return bad_input(read.error().message);
   input.summarize = lab_report::summarize_shots(input.sessions);
   const auto thesis = thesis_inputs();
   input.thesis = thesis ? &*thesis : nullptr;
+  ReportProgress progress;
   input.progress = [&](std::size_t done, std::size_t of, const std::string& at) {
     progress.tell(done, of, at);
   };
@@ -202,8 +198,7 @@ void add_report_command(CLI::App& app, int& exit_status) {
   command->add_flag("--all", options->all, "All quantities, and every condition's full budgets and figures");
   command->add_flag("--json", options->json,
                     "The whole report as one JSON object on standard output; a file only with --out");
-  command->add_option("--rig", options->rig_path, "rig file (default: the session's)");
-  command->add_option("--key-file", options->key_file, "the lab's key (default: as `strobe key` tells)");
+  add_session_options(*command, options->session);
   add_statements(*command, *options);
   std::vector<std::string> seldom = seldom_stated();
   seldom.insert(seldom.end(), {"--rig", "--key-file"});

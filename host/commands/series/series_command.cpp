@@ -1,6 +1,5 @@
 // strobe series: what the shots of one or several sessions say together.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "host/archive/read_session.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/series/series_report.hpp"
+#include "host/commands/session_options.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/series/from_session.hpp"
 
@@ -21,7 +21,8 @@ namespace {
 
 struct SeriesOptions {
   std::vector<std::string> sessions, by, where, without, compare;
-  std::string rig_path, key_file, budget;
+  SessionOptions session;
+  std::string budget;
   std::optional<double> difference;
   int draws = 0;
   bool all = false, json = false;
@@ -46,24 +47,12 @@ std::vector<std::string> names_of(const std::vector<std::string>& paths) {
   return names;
 }
 
-/// On a terminal only: sessions of thousands of shots take a while.
-std::function<void(double)> progress_of(const std::string& name) {
-  if (::isatty(STDERR_FILENO) != 1) return {};
-  return [name, told = 0](double share) mutable {
-    const int percent = static_cast<int>(100.0 * share);
-    if (percent < told + 10) return;
-    told = percent;
-    std::fprintf(stderr, "\rstrobe: reading %s: %d %%%s", name.c_str(), percent, percent >= 100 ? "\n" : "");
-  };
-}
-
 Result<std::vector<NamedSession>> read(const SeriesOptions& options) {
   std::vector<NamedSession> sessions;
   const std::vector<std::string> names = names_of(options.sessions);
   for (std::size_t i = 0; i < names.size(); ++i) {
     auto session = read_session(
-        options.sessions[i],
-        {.rig_path = options.rig_path, .key_file = options.key_file, .progress = progress_of(names[i])});
+        options.sessions[i], {options.session.rig_path, options.session.key_file, reading_notes(names[i])});
     if (!session) return tl::unexpected(session.error());
     for (const std::string& remark : session->remarks)
       std::fprintf(stderr, "strobe: %s: %s\n", names[i].c_str(), remark.c_str());
@@ -173,8 +162,7 @@ void add_series_command(CLI::App& app, int& exit_status) {
       ->add_option("--monte-carlo", options->draws,
                    "check each counted shot's intervals with so many draws; 100000 take a second or two")
       ->check(CLI::Range(reduction::kMinDraws, reduction::kMaxDraws));
-  command->add_option("--rig", options->rig_path, "rig file (default: rig.toml in the session's folder)");
-  command->add_option("--key-file", options->key_file, "the lab's key (default: as `strobe key` tells)");
+  add_session_options(*command, options->session);
   command->add_flag("--all", options->all, "every quantity, the slip too");
   command->add_flag("--json", options->json,
                     "one JSON object a series, and one for --compare; nothing else on standard output");
