@@ -25,8 +25,8 @@ inline constexpr int kExitBadInput = 2;
 /// The worker stops if the guardian has shown no sign of life for so long.
 inline constexpr Duration kGuardianTimeout = milliseconds(5'000);
 
-/// Tells the hosts that outputs may be active: called again and again with the message, from the guardian, once the
-/// worker of that boot is dead.
+/// Tells the hosts that outputs may be active: called again and again with the message once the worker of that boot is
+/// dead, from a child process without the lines, so that nobody who takes them over waits. Nobody is told if fork() fails.
 using TellDanger = std::function<void(std::int64_t boot_id, const std::string& message)>;
 
 /// Runs `work` in a child process of a session of its own, which gets SIGTERM if the guardian dies. Its
