@@ -110,7 +110,8 @@ const std::string& help_of(const std::string& program, const std::string& subcom
 }
 
 bool is_subcommand(const std::string& word) {
-  return !word.empty() && std::all_of(word.begin(), word.end(), [](char c) { return std::islower(c) != 0; });
+  return !word.empty() && word.front() != '-' &&
+         std::all_of(word.begin(), word.end(), [](char c) { return std::islower(c) != 0 || c == '-'; });
 }
 
 /// What a command names that its program's help does not.

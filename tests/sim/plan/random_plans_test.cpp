@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "sim/loading/parse_scene.hpp"
 #include "tests/sim/plan/trial.hpp"
 #include "tests/support/repetitions.hpp"
 
@@ -34,5 +35,13 @@ TEST(RandomPlans, DifferFromTheFullModelByNoMoreThanTheTolerance) {
                                ":\n" + test::as_toml(random);
       FAIL(text.c_str());
     }
+  }
+}
+
+// What a failure prints is a scene file that repeats it.
+TEST(RandomPlans, AreWrittenAsSceneFilesThatCanBeRead) {
+  for (std::uint64_t number = 0; number < 40; ++number) {
+    const auto scene = parse_scene(test::as_toml(test::random_scene(number)), "random.toml");
+    CHECK_TEXT(scene.has_value(), scene ? "" : scene.error().message.c_str());
   }
 }

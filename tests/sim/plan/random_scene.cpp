@@ -171,9 +171,9 @@ std::string as_toml(const RandomScene& random) {
       s.air.spin_decay_per_m);
   if (s.air.density_kgpm3 >= 0.0) text += fmt::format("density_kgpm3 = {}\n", s.air.density_kgpm3);
   text += fmt::format(
-      "[lamps]\ndelay_us = {}\njitter_us = {}\nrecharge_ms = {}\nflash_us = {}\n[sensors]\ndelay_us = "
+      "[lamps]\ndelay_us = {}\njitter_us = {}\nrecharge_us = {}\nflash_us = {}\n[sensors]\ndelay_us = "
       "{}\njitter_us = {}\n[shutter]\nlag_sd_ms = {}\n",
-      s.lamps.delay_s * 1e6, s.lamps.jitter_s * 1e6, s.lamps.recharge_s * 1e3, s.lamps.flash_s * 1e6,
+      s.lamps.delay_s * 1e6, s.lamps.jitter_s * 1e6, s.lamps.recharge_s * 1e6, s.lamps.flash_s * 1e6,
       s.sensors.delay_s * 1e6, s.sensors.jitter_s * 1e6, s.shutter.lag_sd_s * 1e3);
   text += fmt::format(
       "[camera]\npx_per_m = {}\nroll_deg = {}\nhalf_width_m = {}\nheight_m = {}\nmirrored = {}\ndistortion = "
@@ -186,7 +186,7 @@ std::string as_toml(const RandomScene& random) {
                       s.tablet.centre_sd_m * 1e3, s.tablet.equator_sd_rad / kDegree,
                       s.tablet.visible_flattening_m * 1e3);
   if (s.tablet.calibration_sd >= 0.0)
-    text += fmt::format("calibration_sd_percent = {}\n", s.tablet.calibration_sd * 100.0);
+    text += fmt::format("calibration_sd = {}\n", s.tablet.calibration_sd);
   return text;
 }
 
