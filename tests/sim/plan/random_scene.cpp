@@ -185,8 +185,7 @@ std::string as_toml(const RandomScene& random) {
   text += fmt::format("[tablet]\ncentre_sd_mm = {}\nequator_sd_deg = {}\nvisible_flattening_mm = {}\n",
                       s.tablet.centre_sd_m * 1e3, s.tablet.equator_sd_rad / kDegree,
                       s.tablet.visible_flattening_m * 1e3);
-  if (s.tablet.calibration_sd >= 0.0)
-    text += fmt::format("calibration_sd = {}\n", s.tablet.calibration_sd);
+  if (s.tablet.calibration_sd >= 0.0) text += fmt::format("calibration_sd = {}\n", s.tablet.calibration_sd);
   return text;
 }
 
