@@ -98,10 +98,10 @@ double System::offset(const State& z) const {
 }
 
 double System::tangential_scale() const {
-  constexpr double kMinScale = 1e-200;  // of a motion that does not take place; its inverse is finite
+  constexpr double kMinMotion = 1e-200;  // of a motion that does not take place; its inverse is finite
   const double offset = delta > 0.0 ? 2.0 * delta * std::sqrt(std::min(1.0, 2.0 / radius)) : 0.0;
   const double pulled = std::abs(along) * release_phase;
-  return std::max(std::min(2.0 * mu, std::abs(slip0) + pulled) + offset + pulled, kMinScale);
+  return std::max(std::min(2.0 * mu, std::abs(slip0) + pulled) + offset + pulled, kMinMotion);
 }
 
 tl::expected<System, InputError> make_system(const ball::Ball& ball, const Motion& touchdown,
