@@ -77,11 +77,12 @@ TEST(ContactMethods, TheFitAndTheForecastsOfSpinsLeftOutAreThoseRecorded) {
   for (const auto& [method, share] : kMethods) {
     const ContactFitOptions options{.method = method};
     const auto fit = fit_contact(all, options);
-    const auto compare = [&](const std::vector<double>& want, const ContactVector& value, double vx_rms_mps,
-                             double omega_rms_radps) {
+    const auto compare = [&, part = std::max(share, 0.01)](const std::vector<double>& want,
+                                                           const ContactVector& value, double vx_rms_mps,
+                                                           double omega_rms_radps) {
       for (int i = 0; i < kFitParameters; ++i)
         DOUBLES_EQUAL(want[static_cast<std::size_t>(i)], value[i],
-                      std::max(share, 0.01) * 1e-5 * fit->sd(static_cast<ContactParameter>(i)));
+                      part * 1e-5 * fit->sd(static_cast<ContactParameter>(i)));
       DOUBLES_EQUAL(want[5], vx_rms_mps, 1e-6);
       DOUBLES_EQUAL(want[6], omega_rms_radps, 3e-5);
     };
