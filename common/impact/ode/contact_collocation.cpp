@@ -275,7 +275,7 @@ class Collocation {
     if (!event) return true;
     switches_ += 1;
     const bool gripped = mode_ == ContactMode::grips;
-    mode_ = gripped ? slipping(law.hold(at_.stretch, at_.slip)) : ContactMode::grips;
+    mode_ = gripped ? law.breaks_towards(at_) : ContactMode::grips;
     if (s_.ct == 0.0 && gripped) at_.stretch = c_.slipping_stretch(from_, direction(mode_));
     if (!gripped && !out_.first_grip_tau) out_.first_grip_tau = event_tau_;
     return switches_ < kMaxContactEvents / 2;

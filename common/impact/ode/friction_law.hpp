@@ -17,6 +17,12 @@ class FrictionLaw {
 
   /// Force that holds the contact point.
   double hold(double stretch, double slip) const { return s_.kt * stretch + s_.ct * slip; }
+  /// Direction in which a grip breaks: of the force, or where that is 0 of what pulls next.
+  ContactMode breaks_towards(const TangentialState& at) const {
+    const double held = hold(at.stretch, at.slip);
+    if (held != 0.0) return slipping(held);
+    return slipping(at.slip != 0.0 ? at.slip : s_.along);
+  }
   /// Direction of a grip's friction.
   static double side_of(double hold) { return hold < 0.0 ? -1.0 : 1.0; }
 
@@ -34,11 +40,12 @@ class FrictionLaw {
 
   /// Its rate.
   double rate(const SegmentPoint& point) const {
-    const double side = side_of(hold(point.tangential.stretch, point.tangential.slip));
+    const double held = hold(point.tangential.stretch, point.tangential.slip);
     const TangentialRates rates = rates_at(c_, mode_, point);
     const double force = c_.normal.force(point.normal), force_rate = c_.normal.force_rate(point.normal);
     const double hold_rate = s_.kt * rates.stretch + s_.ct * rates.slip;
-    if (mode_ == ContactMode::grips) return s_.mu * force_rate - side * hold_rate;
+    if (mode_ == ContactMode::grips)
+      return s_.mu * force_rate - (held == 0.0 ? std::abs(hold_rate) : side_of(held) * hold_rate);
     const double sign = direction(mode_);
     if (s_.ct > 0.0) return sign * hold_rate - s_.mu * force_rate;
     return sign * rates.slip - s_.mu * ((s_.gravity - force) - 2.0 * s_.zeta * force_rate) / s_.kt;

@@ -201,7 +201,9 @@ TEST(Collocation, KeepsItsToleranceWhereNumbersAreHardOrSaysThatTheIntegratorToo
               " of the tolerance, the integrator took over " + std::to_string(fallbacks) + " of " +
               std::to_string(3 * count))
                  .c_str());
-    CHECK_TEXT(fallbacks <= set.fallbacks * 3 * count, set.name);
+    // Few are drawn under sanitizers; a contact falls back at all three tolerances or at none.
+    const double expected = set.fallbacks * count;
+    CHECK_TEXT(fallbacks <= 3.0 * (expected + 3.0 * std::sqrt(expected)), set.name);
   }
 }
 
