@@ -12,7 +12,8 @@ template <typename Function>
 double zero_of(const Function& f, double low, double at_low, double high, double at_high, double enough) {
   int side = 0;
   for (int i = 1; i < 100 && high - low > enough * high && at_high != 0.0; ++i) {
-    double middle = i % 4 == 0 ? 0.5 * (low + high) : (low * at_high - high * at_low) / (at_high - at_low);
+    const double fall = at_high - at_low;  // of denormal numbers it may be 0
+    double middle = i % 4 == 0 || fall == 0.0 ? 0.5 * (low + high) : (low * at_high - high * at_low) / fall;
     if (!(middle > low && middle < high)) middle = 0.5 * (low + high);
     if (!(middle > low && middle < high)) break;
     const double value = f(middle);

@@ -214,7 +214,8 @@ class LawAlongSegment {
   double root(double low, double high, double at_low, double at_high) {
     const double enough = enough_;
     for (int i = 0; i < 60 && high - low > enough; ++i) {
-      double middle = (low * at_high - high * at_low) / (at_high - at_low);
+      const double fall = at_high - at_low;  // of denormal numbers it may be 0
+      double middle = fall < 0.0 ? (low * at_high - high * at_low) / fall : 0.5 * (low + high);
       // Beyond the root by half of what is enough, so that the bracket closes from above.
       middle = std::min(middle + 0.4 * enough, high - 0.25 * enough);
       if (i % 4 == 3 || !(middle > low)) middle = 0.5 * (low + high);
