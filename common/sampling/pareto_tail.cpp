@@ -12,7 +12,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr std::size_t kFewestExcesses = 5;
+constexpr std::size_t kMinExcesses = 5;
 constexpr double kPriorExcesses = 10.0;
 
 double mean_log1p(double factor, const std::vector<double>& values) {
@@ -58,7 +58,7 @@ SmoothedWeights smoothed_weights(const VectorXd& log_weights) {
   std::vector<Index> order(static_cast<std::size_t>(count));
   std::iota(order.begin(), order.end(), Index{0});
   std::sort(order.begin(), order.end(), [&](Index a, Index b) { return out.weights[a] < out.weights[b]; });
-  if (tail >= kFewestExcesses) {
+  if (tail >= kMinExcesses) {
     const std::size_t first = order.size() - tail;
     const double threshold = out.weights[order[first - 1]];
     std::vector<double> excesses;

@@ -30,9 +30,9 @@ struct Course {
 using Side = Eigen::Array<double, 4, 1>;
 
 // 0 over 0 is none of the ball's speeds.
-constexpr double kLeastSpeed_mps = std::numeric_limits<double>::min();
-double or_least(double speed_mps) { return std::max(speed_mps, kLeastSpeed_mps); }
-Side or_least(const Side& speed_mps) { return speed_mps.max(kLeastSpeed_mps); }
+constexpr double kMinSpeed_mps = std::numeric_limits<double>::min();
+double at_least_min(double speed_mps) { return std::max(speed_mps, kMinSpeed_mps); }
+Side at_least_min(const Side& speed_mps) { return speed_mps.max(kMinSpeed_mps); }
 
 // Inlined: calls would pass arrays of four through memory, at twice the time.
 
@@ -49,7 +49,7 @@ template <typename Real, typename Law>
   const Real drag = law.drag_pm * v;
   const Real rim = law.radius_m * s.omega;
   const Real together = 2.0 * abs(rim) + v;
-  const Real lift = law.lift_pm * v * rim / or_least(together);
+  const Real lift = law.lift_pm * v * rim / at_least_min(together);
   return {law.gravity_x_mps2 - drag * s.vx - lift * s.vy, law.gravity_y_mps2 - drag * s.vy + lift * s.vx,
           -law.decay_pm * v * s.omega};
 }

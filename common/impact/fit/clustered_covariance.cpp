@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/impact/fit/quantiles.hpp"
+
 namespace strobe::impact {
 
 namespace {
@@ -55,6 +57,23 @@ ClusteredCovariance clustered_covariance(const MatrixXd& jacobian, const VectorX
   ClusteredCovariance out{score * score.transpose(), VectorXd(parameters)};
   for (Index k = 0; k < parameters; ++k)
     out.degrees_of_freedom[k] = satterthwaite(terms[static_cast<std::size_t>(k)]);
+  return out;
+}
+
+double least_robust_share(double degrees_of_freedom) {
+  constexpr double kByChance = 0.02;
+  if (degrees_of_freedom < kFewDegrees) return 1.0;
+  return chi_squared_quantile(degrees_of_freedom, kByChance) / degrees_of_freedom;
+}
+
+std::vector<std::vector<Eigen::Index>> rows_of_pairs(const std::vector<std::vector<std::size_t>>& clusters) {
+  std::vector<std::vector<Eigen::Index>> out;
+  for (const auto& cluster : clusters) {
+    out.emplace_back();
+    for (const std::size_t i : cluster)
+      for (const Eigen::Index component : {0, 1})
+        out.back().push_back(static_cast<Eigen::Index>(2 * i) + component);
+  }
   return out;
 }
 

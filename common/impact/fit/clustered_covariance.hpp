@@ -20,4 +20,14 @@ struct ClusteredCovariance {
 ClusteredCovariance clustered_covariance(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals,
                                          const std::vector<std::vector<Eigen::Index>>& clusters);
 
+/// A variance of fewer degrees of freedom has itself an sd above half of it: by chance it may be far too small.
+inline constexpr double kFewDegrees = 8.0;
+
+/// Least share of the common variance that a robust one of so many degrees of freedom is taken to be: where they are few
+/// all of it, else what would not be reached once in fifty were the residuals like all.
+double least_robust_share(double degrees_of_freedom);
+
+/// The rows of residuals in pairs, vx and spin of each observation, by the clusters of observations.
+std::vector<std::vector<Eigen::Index>> rows_of_pairs(const std::vector<std::vector<std::size_t>>& clusters);
+
 }  // namespace strobe::impact

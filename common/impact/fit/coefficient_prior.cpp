@@ -9,7 +9,7 @@ namespace strobe::impact {
 namespace {
 
 constexpr double kSolidBallAlpha = 0.4;
-constexpr double kLeastInside = 1e-9;  ///< of a range, from its end
+constexpr double kMinInside = 1e-9;  ///< of a range, from its end
 
 /// Where `high` is 0 the range has no upper end.
 struct Known {
@@ -39,8 +39,8 @@ constexpr Known known(Parameter p) {
 }
 
 double to_coordinate(const Known& k, double value) {
-  if (k.high == 0.0) return std::log(std::max(value, kLeastInside * k.median));
-  const double inside = kLeastInside * (k.high - k.low);
+  if (k.high == 0.0) return std::log(std::max(value, kMinInside * k.median));
+  const double inside = kMinInside * (k.high - k.low);
   const double v = std::clamp(value, k.low + inside, k.high - inside);
   return std::log((v - k.low) / (k.high - v));
 }

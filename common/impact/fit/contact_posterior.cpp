@@ -17,24 +17,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kNormalFreedom = 1e6;  ///< degrees of freedom as good as infinitely many
-/// As for the closed forms (uncertainty.cpp): below so many a robust variance may be small by chance, and what is smaller
-/// than would happen this often is taken for chance.
-constexpr double kFewFreedom = 8.0;
-constexpr double kByChance = 0.02;
-
-std::vector<std::vector<Index>> rows_of_clusters(const Fitter& fitter) {
-  std::vector<std::vector<Index>> out;
-  for (const auto& cluster : fitter.clusters()) {
-    out.emplace_back();
-    for (const std::size_t i : cluster)
-      for (const Index component : {0, 1}) out.back().push_back(static_cast<Index>(2 * i) + component);
-  }
-  return out;
-}
-
 double t_quantile(double freedom) {
-  return students_t_quantile(std::min(freedom, kNormalFreedom), 0.5 * (1.0 - kIntervalLevel));
+  return students_t_quantile(std::min(freedom, kAsGoodAsNormal), 0.5 * (1.0 - kIntervalLevel));
 }
 
 }  // namespace
@@ -43,7 +27,7 @@ ContactPosterior::ContactPosterior(const Fitter& least) : least_(least), mode_(l
   const VectorXd residuals = least.residuals_at(mode_);
   least_squares_ = residuals.squaredNorm();
   const bool stated = least.options().scale == CovarianceScale::stated;
-  freedom_ = stated ? kNormalFreedom : std::max(1, least.degrees_of_freedom_between());
+  freedom_ = stated ? kAsGoodAsNormal : std::max(1, least.degrees_of_freedom_between());
   find_scale(jacobian(least.problem(), mode_), residuals);
 }
 
@@ -54,17 +38,15 @@ void ContactPosterior::find_scale(const MatrixXd& jac, const VectorXd& residuals
   scale_ = information.llt().solve(MatrixXd::Identity(n, n));
   own_freedom_ = VectorXd::Constant(n, freedom_);
   if (least_.options().scale != CovarianceScale::clustered) return;
-  const ClusteredCovariance robust = clustered_covariance(jac, residuals, rows_of_clusters(least_));
+  const ClusteredCovariance robust = clustered_covariance(jac, residuals, rows_of_pairs(least_.clusters()));
   const MatrixXd from_prior = scale_ * jac.bottomRows(n).transpose() / least_.variance();
   MatrixXd both = robust.covariance + least_.variance() * from_prior * from_prior.transpose();
   if (both.llt().info() != Eigen::Success || rows < n) return;
   VectorXd stretch(n);
   for (Index k = 0; k < n; ++k) {
     const double degrees = robust.degrees_of_freedom[k];
-    const double least_share =
-        degrees >= kFewFreedom ? chi_squared_quantile(degrees, kByChance) / degrees : 1.0;
-    const double variance = std::max(both(k, k), least_share * scale_(k, k));
-    if (degrees >= kFewFreedom || least_.scatters()) own_freedom_[k] = degrees;
+    const double variance = std::max(both(k, k), least_robust_share(degrees) * scale_(k, k));
+    if (degrees >= kFewDegrees || least_.scatters()) own_freedom_[k] = degrees;
     stretch[k] = std::sqrt(variance / both(k, k)) * t_quantile(own_freedom_[k]) / t_quantile(freedom_);
   }
   scale_ = stretch.asDiagonal() * both * stretch.asDiagonal();
@@ -85,7 +67,7 @@ double ContactPosterior::log_density(const VectorXd& coordinates) const {
       adjustment_.size() > 0 ? VectorXd(mode_ + adjustment_ * (coordinates - mode_)) : coordinates;
   const double rise = (least_.residuals_at(at).squaredNorm() - least_squares_) / least_.variance();
   if (!std::isfinite(rise)) return -std::numeric_limits<double>::infinity();
-  if (freedom_ >= kNormalFreedom) return -0.5 * rise;
+  if (freedom_ >= kAsGoodAsNormal) return -0.5 * rise;
   // A mode that the search missed by its tolerance may lie a little lower.
   const double above = std::max(rise / freedom_, -0.5);
   return -0.5 * (freedom_ + static_cast<double>(mode_.size())) * std::log1p(above);

@@ -26,7 +26,7 @@ constexpr double kContactFunctionTolerance = 1e-7;
 constexpr double kCoordinateReach = 8.0;  ///< sds of the prior
 constexpr double kFirstVariance = 0.1;    ///< of residuals without stated sds, (m/s)²
 constexpr int kVarianceRounds = 3;
-constexpr double kLeastVariance = 1e-12;  ///< of residuals that are rounding
+constexpr double kMinVariance = 1e-12;  ///< of residuals that are rounding
 constexpr int kMaxReweightings = 12;
 constexpr double kProfileTolerance =
     1e-9;  ///< of a sum of squares whose rise by a hundredth and more matters
@@ -329,7 +329,7 @@ void Fitter::search_with_prior() {
   search();
   if (options_->scale == CovarianceScale::stated || free_.empty()) return;
   for (int i = 0; i < kVarianceRounds; ++i) {
-    variance_ = std::max(reduced(chi2(), std::max(1, degrees_of_freedom())), kLeastVariance);
+    variance_ = std::max(reduced(chi2(), std::max(1, degrees_of_freedom())), kMinVariance);
     fit_once(0);
   }
 }

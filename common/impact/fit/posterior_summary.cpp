@@ -109,7 +109,7 @@ double largest_shift(const std::vector<Ends>& ends, const std::vector<Ends>& lap
 /// Of the coordinates; that of a t distribution is the scale's, larger.
 MatrixXd coordinate_covariance(const ContactPosterior& posterior, const Posterior& found) {
   if (found.sample.points.size() > 0) return found.sample.covariance();
-  const double wider = students_t_quantile(posterior.degrees_of_freedom(), 0.158655253931457);
+  const double wider = students_t_quantile(posterior.degrees_of_freedom(), kAboveOneSd);
   return wider * wider * posterior.scale();
 }
 

@@ -3,6 +3,10 @@
 
 namespace strobe::impact {
 
+inline constexpr double kAsGoodAsNormal = 1e6;  ///< degrees of freedom
+inline constexpr double kAboveOneSd =
+    0.158655253931457;  ///< probability of a normal distribution above mean + sd
+
 /// t that is exceeded with the probability `above`, in (0, 0.5].
 double students_t_quantile(double degrees_of_freedom, double above);
 

@@ -14,7 +14,7 @@ constexpr ParameterValues kLower{0.0, -1.0, 0.0, 1e-9, 0.01, 1e-2, 1e-2, 0.0, 1e
 constexpr double kMaxMu = 10.0;
 constexpr double kMaxReference_mps = 100.0;
 /// Least share of vy and of the dwell time that an input moved by its sd keeps.
-constexpr double kLeastShare = 1e-3;
+constexpr double kMinShare = 1e-3;
 
 /// What is measured is the time until the centre is one radius above the surface again. The ball leaves before, still
 /// compressed by 2·zeta/sqrt(k/m) of its speed (normal_spring.hpp).
@@ -50,13 +50,13 @@ ModelInputs moved_contact(const Observation& o, std::size_t which, double standa
   const bool consists = o.e_sd >= with_vy;
   if (which == 0) td.vx_mps += standard_deviations * o.touchdown_sd.vx_mps;
   if (which == 1) {
-    td.vy_mps = std::min(kLeastShare * td.vy_mps, td.vy_mps + standard_deviations * o.touchdown_sd.vy_mps);
+    td.vy_mps = std::min(kMinShare * td.vy_mps, td.vy_mps + standard_deviations * o.touchdown_sd.vy_mps);
     if (consists) in.e *= o.touchdown.vy_mps / td.vy_mps;
   }
   if (which == 2) td.omega_radps += standard_deviations * o.touchdown_sd.omega_radps;
   if (which == 3) in.e += standard_deviations * (consists ? own : o.e_sd);
   if (which == 4)
-    in.dwell_s = std::max(kLeastShare * o.dwell_s, o.dwell_s + standard_deviations * o.dwell_sd_s);
+    in.dwell_s = std::max(kMinShare * o.dwell_s, o.dwell_s + standard_deviations * o.dwell_sd_s);
   in.e = std::clamp(in.e, std::min(o.e, kMinSpringRestitution), 1.0);
   return in;
 }

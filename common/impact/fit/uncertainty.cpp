@@ -18,12 +18,6 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 
 constexpr double kRankTolerance = 1e-8;  // derivatives by differences are good to about 1e-10
-/// A variance with fewer degrees of freedom has itself an sd above half of it: by chance it may be far too small.
-constexpr double kFewDegrees = 8.0;
-/// What so few residuals would give less often than this, were they like all, is taken for chance.
-constexpr double kChance = 0.02;
-constexpr double kAsGoodAsNormal = 1e6;       // degrees of freedom
-constexpr double kOneSd = 0.158655253931457;  // above value + sd of a normal distribution
 
 /// Columns of the Jacobian by the status of their parameters.
 struct Columns {
@@ -131,14 +125,14 @@ class Uncertainty {
     correlated = unscaled;
     if (fitter_.options().scale != CovarianceScale::clustered || fit_.variance_scale == 0.0 || out.empty())
       return out;
-    const ClusteredCovariance robust = clustered_covariance(columns, residuals_, rows_of(fitter_.clusters()));
+    const ClusteredCovariance robust =
+        clustered_covariance(columns, residuals_, rows_of_pairs(fitter_.clusters()));
     if (robust.covariance.diagonal().minCoeff() > 0.0) correlated = robust.covariance;
     for (Index k = 0; k < columns.cols(); ++k) {
       VarianceRatio& ratio = out[static_cast<std::size_t>(k)];
       const double variance = robust.covariance(k, k) / unscaled(k, k);
       const double degrees = robust.degrees_of_freedom[k];
-      const double least = degrees >= kFewDegrees ? chi_squared_quantile(degrees, kChance) / degrees : 1.0;
-      ratio.variance = std::max(variance, least * ratio.variance);
+      ratio.variance = std::max(variance, least_robust_share(degrees) * ratio.variance);
       if (degrees >= kFewDegrees || fitter_.scatters()) ratio.degrees_of_freedom = degrees;
     }
     return out;
@@ -152,7 +146,7 @@ class Uncertainty {
       const VarianceRatio& ratio = ratios[static_cast<std::size_t>(k)];
       const double once = std::sqrt(ratio.variance * unscaled(k, k));
       const bool clustered = fitter_.options().scale == CovarianceScale::clustered;
-      sd[k] = once * (clustered ? students_t_quantile(ratio.degrees_of_freedom, kOneSd) : 1.0);
+      sd[k] = once * (clustered ? students_t_quantile(ratio.degrees_of_freedom, kAboveOneSd) : 1.0);
       FittedParameter& out = fit_.parameters[index(parameter(columns_.fitted[static_cast<std::size_t>(k)]))];
       out.sd = sd[k];
       out.degrees_of_freedom = ratio.degrees_of_freedom;
@@ -182,16 +176,6 @@ class Uncertainty {
     FittedParameter& out = fit_.parameters[index(parameter(k))];
     out.degrees_of_freedom = ratio.degrees_of_freedom;
     set_limit(fitted, jacobian_.col(k), residuals_, t * t * ratio.variance, problem_, k, out);
-  }
-
-  static std::vector<std::vector<Index>> rows_of(const std::vector<std::vector<std::size_t>>& clusters) {
-    std::vector<std::vector<Index>> out;
-    for (const auto& cluster : clusters) {
-      out.emplace_back();
-      for (const std::size_t i : cluster)
-        for (const Index component : {0, 1}) out.back().push_back(static_cast<Index>(2 * i) + component);
-    }
-    return out;
   }
 
   const Fitter& fitter_;

@@ -78,16 +78,11 @@ struct CollocationConstants {
   double holding_force(const TangentialState& t) const { return system.kt * t.stretch + system.ct * t.slip; }
   /// d·N/R, the rate of D.
   double couple_rate(const NormalState& n, double spin) const {
-    return footprint(n.depth) * normal.force(n) * offset_direction(spin);
+    return footprint(n.depth) * normal.force(n) * system.offset_direction(spin);
   }
   double footprint(double depth) const {
     const double share = depth < system.radius ? std::max(depth / system.radius, 0.0) : 1.0;
     return system.delta * std::sqrt(share * (2.0 - share));
-  }
-  /// Of the offset, from -1 to 1.
-  double offset_direction(double spin) const {
-    if (system.ahead != 0.0) return system.ahead;
-    return -spin / std::sqrt(spin * spin + system.w_ref * system.w_ref);
   }
   /// The stretch of a spring that slips by `sign`, long after it began to.
   double slipping_stretch(const NormalState& n, double sign) const {

@@ -51,6 +51,10 @@ struct System {
   double mass_kg = 1.0;
   double radius_m = 1.0;
 
+  /// Of the offset at w = R·omega, from -1 to 1.
+  double offset_direction(double spin) const {
+    return ahead != 0.0 ? ahead : -spin / std::sqrt(spin * spin + w_ref * w_ref);
+  }
   double normal_force(const State& z) const { return z[kDepth] + 2.0 * zeta * z[kDepthRate]; }
   double normal_force_rate(const State& z) const {
     return z[kDepthRate] + 2.0 * zeta * (gravity - normal_force(z));

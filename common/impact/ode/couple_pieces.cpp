@@ -30,8 +30,8 @@ class CouplePiece {
                              p.tangential.stretch,
                              spin};
       const double share = std::min(std::max(p.normal.depth / c.system.radius, 0.0), 1.0);
-      couple_[i] =
-          size * c.normal.pace(at) * std::sqrt(share * (2.0 - share)) * force * c.offset_direction(spin);
+      couple_[i] = size * c.normal.pace(at) * std::sqrt(share * (2.0 - share)) * force *
+                   c.system.offset_direction(spin);
     }
   }
 

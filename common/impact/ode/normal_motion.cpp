@@ -62,7 +62,6 @@ std::optional<NormalMotion> NormalMotion::make(const System& s) {
   m.square_ = m.smooth_ ? 3.0 * m.span_ : m.span_;
   m.cube_ = m.smooth_ ? 2.0 * m.span_ : 0.0;
   m.end_ = m.smooth_ ? smooth_step_inverse(m.release_ / m.span_, (m.span_ - m.release_) / m.span_) : 1.0;
-  m.by_series_ = std::abs(m.omega2_) * m.release_ * m.release_ <= kMaxSeriesPhase2;
   return m;
 }
 

@@ -35,19 +35,6 @@ class NormalMotion {
     return {tau, depth(fade, o.cosine, o.sine), rate(fade, o.cosine, o.sine)};
   }
 
-  /// Depths and their rates at several times of the contact.
-  template <std::size_t n>
-  void along(const std::array<double, n>& tau, std::array<double, n>& depths,
-             std::array<double, n>& rates) const {
-    std::array<double, n> fade, cosine, sine;
-    oscillation_along(omega2_, by_series_, tau, cosine, sine);
-    for (std::size_t i = 0; i < n; ++i) fade[i] = std::exp(-zeta_ * tau[i]);
-    for (std::size_t i = 0; i < n; ++i) {
-      depths[i] = depth(fade[i], cosine[i], sine[i]);
-      rates[i] = rate(fade[i], cosine[i], sine[i]);
-    }
-  }
-
   double force(const NormalState& n) const { return n.depth + 2.0 * zeta_ * n.rate; }
   double force_rate(const NormalState& n) const { return n.rate + 2.0 * zeta_ * (gravity_ - force(n)); }
   /// Integral of the force since touchdown, and the integral of that.
@@ -82,7 +69,6 @@ class NormalMotion {
   double square_ = 0.0, cube_ = 0.0;  ///< of x in tau
   double end_ = 1.0;
   bool smooth_ = false;
-  bool by_series_ = false;  ///< oscillation_series() holds to release
 };
 
 }  // namespace strobe::impact::detail

@@ -30,8 +30,7 @@ struct SeriesCoefficients {
 };
 inline constexpr SeriesCoefficients kSeries{};
 
-/// By the series at half the angle, whose terms beyond the eleventh are below 1e-17 of the first. Without a branch:
-/// over several nodes at once.
+/// By the series at half the angle, whose terms beyond the eleventh are below 1e-17 of the first.
 inline Oscillation oscillation_series(double omega2, double t) {
   constexpr std::size_t terms = 11;
   const double w = -0.25 * omega2 * (t * t);
@@ -48,25 +47,6 @@ inline Oscillation oscillation(double omega2, double t) {
   const double q = std::sqrt(std::abs(omega2));
   if (omega2 > 0.0) return {std::cos(q * t), std::sin(q * t) / q};
   return {std::cosh(q * t), std::sinh(q * t) / q};
-}
-
-/// At several times, by the series if `short_enough` says that all are within its range.
-template <std::size_t n>
-void oscillation_along(double omega2, bool short_enough, const std::array<double, n>& t,
-                       std::array<double, n>& cosine, std::array<double, n>& sine) {
-  if (short_enough) {
-    for (std::size_t i = 0; i < n; ++i) {
-      const Oscillation o = oscillation_series(omega2, t[i]);
-      cosine[i] = o.cosine;
-      sine[i] = o.sine;
-    }
-    return;
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    const Oscillation o = oscillation(omega2, t[i]);
-    cosine[i] = o.cosine;
-    sine[i] = o.sine;
-  }
 }
 
 }  // namespace strobe::impact::detail

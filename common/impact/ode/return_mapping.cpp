@@ -112,12 +112,8 @@ class ReturnMapping {
   }
 
  private:
-  double offset_direction(double spin) const {
-    return s_.ahead != 0.0 ? s_.ahead : -spin / std::sqrt(spin * spin + s_.w_ref * s_.w_ref);
-  }
-
   void advance(double impulse, double couple_limit, double force_before, double force_after) {
-    const double couple = couple_limit * offset_direction(spin_ + 0.5 * spin_change_);
+    const double couple = couple_limit * s_.offset_direction(spin_ + 0.5 * spin_change_);
     const double turned = couple / s_.alpha + s_.along * size_;
     const double push = turned / size_;
     const double held_slip =
