@@ -217,6 +217,7 @@ Result<Rig> read_rig(std::string_view text, const std::string& file_name) {
   root.table("analysis").accept_all();
   root.table("camera").accept_all();
   root.table("laboratory").accept_all();
+  root.table("commission").accept_all();
   root.table("report").accept_all();
   read_plan(root, rig);  // last: it is checked against the other tables' limits
   if (auto bad = reader.error()) return tl::unexpected(*bad);

@@ -88,7 +88,7 @@ PlanLimits read_limits(TomlTable root, const ShotPlan& plan) {
 
 void accept_firmware_tables(TomlTable root) {
   const std::set<std::string> own{"rig",    "lcm_url", "commands", "ball",       "analysis", "camera",
-                                  "record", "plan",    "machine",  "laboratory", "report"};
+                                  "record", "plan",    "machine",  "laboratory", "report",   "commission"};
   for (const std::string& key : root.keys()) {
     if (!own.contains(key) && root.is_table(key)) root.table(key).accept_all();
   }
@@ -113,6 +113,7 @@ Result<RigFile> read_rig(std::string_view text, const std::string& file_name) {
   rig.camera = read_camera(root.table("camera"));
   rig.record = read_record(root.table("record"));
   rig.statements = read_statements(root);
+  rig.commission = read_commission(root.table("commission"));
   rig.plan = read_plan_table(root.table("plan"), {});
   TomlTable machine = root.table("machine");
   if (const auto lag = machine.optional_number("lag_ms", {0.0, 60000.0})) rig.machine_lag_s = *lag * 1e-3;

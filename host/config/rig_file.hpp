@@ -1,5 +1,6 @@
 // The host's part of the rig file: rig, lcm_url, [commands], [ball], [analysis], [camera], [record],
-// [laboratory], [report], [plan], the machine's lag, and what limits a plan. The rest is strobed's and accepted unread.
+// [laboratory], [report], [commission], [plan], the machine's lag, and what limits a plan. The rest is strobed's and
+// accepted unread.
 // Values; thread-safe.
 #pragma once
 
@@ -11,6 +12,7 @@
 #include "common/result.hpp"
 #include "common/shot/plan_check.hpp"
 #include "host/config/camera_table.hpp"
+#include "host/config/commission_table.hpp"
 #include "host/config/plan_file.hpp"
 #include "host/config/statements.hpp"
 
@@ -50,6 +52,7 @@ struct RigFile {
   CameraTable camera;
   reduction::Record record;
   Statements statements;  ///< for reports
+  CommissionTable commission;
   PlanFile plan;
   PlanLimits limits;                    ///< as far as the file names them
   std::optional<double> machine_lag_s;  ///< trigger to touchdown

@@ -50,7 +50,7 @@ const std::map<std::string, std::vector<Layer>> kLayers{
          {"host/digitize/corrections", "host/digitize/overlay", "host/report/model"},
          {"host/photographs", "host/report/html"},
          {"host/loop"},
-         {"host/archive"},
+         {"host/archive", "host/commission/core"},
          {"host/batch", "host/series"},
          {"host/view"},
          {"host/report/content"},
