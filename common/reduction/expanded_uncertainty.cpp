@@ -7,6 +7,12 @@
 
 namespace strobe::reduction {
 
+std::optional<double> total_sd(const Readout& readout, Quantity quantity) {
+  const auto& sd = readout.sd[quantity];
+  if (!sd) return std::nullopt;
+  return std::hypot(*sd, readout.sd_systematic[quantity].value_or(0.0));
+}
+
 std::optional<double> expanded_uncertainty(const Readout& readout, Quantity quantity) {
   const auto& sd = readout.sd[quantity];
   if (!sd) return std::nullopt;

@@ -1,4 +1,4 @@
-// The uncertainty that can be stated beside a number: GUM's expanded uncertainty. Pure; thread-safe.
+// The uncertainty that can be stated beside a number: GUM's combined and expanded uncertainty. Pure; thread-safe.
 #pragma once
 
 #include <optional>
@@ -8,6 +8,9 @@
 namespace strobe::reduction {
 
 inline constexpr double kExpandedLevel = 0.95;
+
+/// Noise and what tolerances add, as one standard deviation. Absent without an sd.
+std::optional<double> total_sd(const Readout& readout, Quantity quantity);
 
 /// Half width of the interval that holds the true number with a probability of kExpandedLevel: noise, with Student's t
 /// where it was estimated, and what tolerances add. Of few residuals it is far more than twice the sd, which holds

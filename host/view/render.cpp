@@ -19,6 +19,7 @@ namespace strobe::host {
 namespace {
 
 using reduction::Quantity;
+using reduction::total_sd;
 using strobe_msgs::status_t;
 using Lines = std::vector<std::string>;
 
@@ -71,12 +72,6 @@ std::string blocking_reason_of(const ViewModel& model) {
   if (!model.status) return "no firmware heard";
   if (model.silent) return fmt::format("the firmware has been silent for {:.0f} s", model.status_age_s);
   return model.status->message;
-}
-
-std::optional<double> total_sd(const reduction::Readout& readout, Quantity q) {
-  const auto& sd = readout.sd[q];
-  if (!sd) return std::nullopt;
-  return std::hypot(*sd, readout.sd_systematic[q].value_or(0.0));
 }
 
 /// The court pace is the ITF's for shots as it prescribes them only.

@@ -53,7 +53,7 @@ const std::map<std::string, std::vector<Layer>> kLayers{
          {"host/archive", "host/commission/core"},
          {"host/batch", "host/series"},
          {"host/view"},
-         {"host/report/content"},
+         {"host/report/content", "host/web/json"},
          {"host/report/sections"},
          {"host/commands/reduce", "host/report", "host/thesis/tables"},
          {"host/commands"},
