@@ -203,7 +203,7 @@ void add_digitize_command(CLI::App& app, int& exit_status) {
       "Exit status: 1 if a photograph of several could not be read, or shows no ball; 2 if none could be "
       "read.\n"
       "\f"
-      "A file of corrections has tables [[add]], [[move]] and [[remove]]:\n"
+      "A file of corrections has tables [[add]], [[move]], [[remove]] and [surface]:\n"
       "  [[remove]]\n"
       "  at_px = [812, 640]        # the image nearest to this point of the frame (x right, y up)\n"
       "  [[move]]\n"
@@ -212,7 +212,14 @@ void add_digitize_command(CLI::App& app, int& exit_status) {
       "  equator_deg = 31\n"
       "  [[add]]\n"
       "  centre_px = [1410, 1180]\n"
-      "  diameter_px = 261");
+      "  diameter_px = 261\n"
+      "  [surface]                 # the line in place of the one that was found\n"
+      "  left_px = [100, 210]      # or left_image_px\n"
+      "  right_px = [2300, 214]    # or right_image_px\n"
+      "  sd_px = 1                 # left out: as a point by hand\n"
+      "Further keys of move and add: centre_sd_px, diameter_sd_px, equator_sd_deg,\n"
+      "no_equator, top_px, contact_width_px, leg, time_s; as seen on the photograph:\n"
+      "centre_image_px, diameter_image_px, equator_image_deg, top_image_px.");
   command->callback([options, &exit_status] { exit_status = run_digitize(*options); });
 }
 

@@ -42,6 +42,14 @@ std::optional<std::string> invalid_setting(const DigitizeSettings& s) {
   return std::nullopt;
 }
 
+std::optional<SurfaceLine> surface_of(const reduction::Frame& frame) {
+  if (frame.surface_px.size() < 2) return std::nullopt;
+  SurfaceLine line;
+  line.sd_px = frame.surface_sd_px.value_or(0.0);
+  for (const auto& p : frame.surface_px) line.points.emplace_back(p.x, p.y);
+  return line;
+}
+
 /// Wall time of consecutive stages.
 class Stopwatch {
  public:
@@ -87,7 +95,7 @@ class Digitizer {
     measure_scale();
     reorder_images(result_, settings_);
     watch.lap("order");
-    measure_contacts();
+    measure_contacts(result_);
     watch.lap("contacts");
     measure_line_angles();
     watch.lap("equators");
@@ -232,31 +240,6 @@ class Digitizer {
     result_.scale = scale;
   }
 
-  void measure_contacts() {
-    if (!surface_) return;
-    double top_sd = 0.0, width_sd = 0.0;
-    for (std::size_t i = 0; i < result_.outlines.size(); ++i) {
-      BallImage& image = result_.frame.images[i];
-      if (image.leg != Leg::contact) continue;
-      const Outline& o = result_.outlines[i];
-      const auto contact = measure_contact(o, *surface_);
-      if (!contact) {
-        reject(o, "top", contact.error());
-        continue;
-      }
-      image.top_px = reduction::PointPx{contact->top.x, contact->top.y};
-      top_sd = std::max(top_sd, contact->top_sd_px);
-      if (!contact->width_px) continue;
-      image.contact_width_px = *contact->width_px;
-      width_sd = std::max(width_sd, *contact->width_sd_px);
-    }
-    // A frame has no place for them.
-    if (top_sd > 0.0)
-      result_.remarks.push_back(
-          fmt::format("in contact the ball's top is known to {:.2f} px", top_sd) +
-          (width_sd > 0.0 ? fmt::format(", its flat side's width to {:.1f} px", width_sd) : ""));
-  }
-
   void measure_line_angles() {
     const auto equators = measure_equators(photograph_, map_, result_.outlines, settings_.effort);
     for (std::size_t i = 0; i < equators.size(); ++i) {
@@ -318,6 +301,32 @@ Result<Digitization> digitize(const Photograph& photograph, const DigitizeSettin
   } catch (const cv::Exception& e) {
     return fail(photograph.name + ": " + e.err);
   }
+}
+
+void measure_contacts(Digitization& digitization) {
+  const auto surface = surface_of(digitization.frame);
+  if (!surface) return;
+  double top_sd = 0.0, width_sd = 0.0;
+  for (std::size_t i = 0; i < digitization.outlines.size(); ++i) {
+    BallImage& image = digitization.frame.images[i];
+    if (image.leg != Leg::contact || image.top_px) continue;
+    const Outline& o = digitization.outlines[i];
+    const auto contact = measure_contact(o, *surface);
+    if (!contact) {
+      digitization.unmeasured.push_back({o.centre, o.diameter, "top", contact.error()});
+      continue;
+    }
+    image.top_px = reduction::PointPx{contact->top.x, contact->top.y};
+    top_sd = std::max(top_sd, contact->top_sd_px);
+    if (!contact->width_px) continue;
+    image.contact_width_px = *contact->width_px;
+    width_sd = std::max(width_sd, *contact->width_sd_px);
+  }
+  // A frame has no place for them.
+  if (top_sd > 0.0)
+    digitization.remarks.push_back(
+        fmt::format("in contact the ball's top is known to {:.2f} px", top_sd) +
+        (width_sd > 0.0 ? fmt::format(", its flat side's width to {:.1f} px", width_sd) : ""));
 }
 
 void reorder_images(Digitization& digitization, const DigitizeSettings& settings) {

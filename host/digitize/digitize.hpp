@@ -48,6 +48,7 @@ struct Digitization {
   std::vector<Outline> outlines;  ///< one for each image, in their order
   std::vector<Unmeasured> unmeasured;
   std::optional<Rejection> no_surface;    ///< why there is no surface line
+  bool surface_by_hand = false;           ///< a person gave it
   std::optional<BallScale> scale;         ///< absent without images
   std::optional<TransferCurve> transfer;  ///< of numbers to light; absent: the photograph cannot tell
   std::vector<std::string> remarks;       ///< assumptions and ambiguities, for the operator
@@ -57,6 +58,10 @@ struct Digitization {
 /// Fails with one line for settings out of range. A photograph without a ball gives no images, but reasons. So does
 /// one whose balls have clearly not the size that is given: a remark says which they have.
 Result<Digitization> digitize(const Photograph& photograph, const DigitizeSettings& settings);
+
+/// Tops and flat widths of the images in contact, by the frame's surface line, of those that have none; what cannot be
+/// measured is listed. Nothing without a line.
+void measure_contacts(Digitization& digitization);
 
 /// Finds order, legs and times of the images again, after some were changed.
 void reorder_images(Digitization& digitization, const DigitizeSettings& settings);

@@ -58,6 +58,7 @@ std::string digitization_json(const Digitization& digitization, const std::strin
   more["inputs"] = inputs_json(settings);
   if (digitization.scale) more["scale"] = scale_json(*digitization.scale);
   if (digitization.no_surface) more["no_surface"] = rejection_json(*digitization.no_surface);
+  if (digitization.surface_by_hand) more["surface_source"] = "hand";
   if (!digitization.remarks.empty()) more["remarks"] = digitization.remarks;
   if (explain) {
     more["unmeasured"] = ordered_json::array();

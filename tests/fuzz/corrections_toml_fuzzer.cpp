@@ -51,6 +51,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(found.frame.images.size() == 3);
     return 0;
   }
+  require(found.surface_by_hand == (found.frame.surface_px.size() == 2));
+  for (const auto& p : found.frame.surface_px) require(std::isfinite(p.x) && std::isfinite(p.y));
   require(found.outlines.size() == found.frame.images.size());
   for (const auto& image : found.frame.images) {
     require(std::isfinite(image.centre_px.x) && std::isfinite(image.centre_px.y));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "host/digitize/core/statistics.hpp"
 
@@ -25,6 +26,7 @@ class Editor {
 
   Result<void> apply(const Correction& correction) {
     if (correction.kind == Kind::add) return add(correction);
+    if (correction.kind == Kind::surface) return set_surface(correction);
     const auto index = image_at(correction);
     if (!index) return tl::unexpected(index.error());
     touched_[*index] = &correction;
@@ -33,6 +35,7 @@ class Editor {
   }
 
   Digitization finish() {
+    if (result_.surface_by_hand) forget_legs();
     for (std::size_t i = touched_.size(); i-- > 0;) {
       if (touched_[i] != nullptr && touched_[i]->kind == Kind::remove) remove(i);
     }
@@ -40,12 +43,39 @@ class Editor {
     images.insert(images.end(), added_.begin(), added_.end());
     result_.outlines.insert(result_.outlines.end(), added_outlines_.begin(), added_outlines_.end());
     reorder_images(result_, settings_);
+    if (result_.surface_by_hand) measure_contacts(result_);
     return std::move(result_);
   }
 
  private:
   cv::Point2d plane(const ManualPoint& p) const {
     return p.in_image ? settings_.map.to_plane(p.point) : p.point;
+  }
+
+  Result<void> set_surface(const Correction& correction) {
+    cv::Point2d left = plane(correction.surface.left), right = plane(correction.surface.right);
+    if (right.x < left.x) std::swap(left, right);
+    constexpr double kMinLength_px = 1.0;
+    if (!(cv::norm(right - left) >= kMinLength_px))
+      return fail(correction.location + ": surface: left and right are the same point");
+    result_.frame.surface_px = {{left.x, left.y}, {right.x, right.y}};
+    result_.frame.surface_sd_px = hand_sd_px(correction.surface.sd_px);
+    result_.surface_by_hand = true;
+    result_.no_surface.reset();
+    result_.remarks.push_back("the surface line is by hand (" + correction.location + ")");
+    return {};
+  }
+
+  /// By another line other images are in contact; what a person says of one stays. Before any is removed.
+  void forget_legs() {
+    for (std::size_t i = 0; i < touched_.size(); ++i) {
+      BallImage& image = result_.frame.images[i];
+      const ManualMeasurement by_hand = touched_[i] != nullptr ? touched_[i]->measured : ManualMeasurement{};
+      if (!by_hand.leg) image.leg.reset();
+      if (!by_hand.top) image.top_px.reset();
+      if (!by_hand.contact_width_px) image.contact_width_px.reset();
+    }
+    std::erase_if(result_.unmeasured, [](const Unmeasured& u) { return u.what == "top"; });
   }
 
   Result<std::size_t> image_at(const Correction& correction) const {
@@ -76,6 +106,17 @@ class Editor {
     return stated.value_or(std::sqrt(2.0) * kManualCentre_sd_m * px_per_m_);
   }
 
+  double plane_angle(const reduction::PointPx& centre, double image_rad) const {
+    const cv::Point2d at = settings_.map.to_image({centre.x, centre.y});
+    const cv::Vec2d along = settings_.map.jacobian(at) * cv::Vec2d(std::cos(image_rad), -std::sin(image_rad));
+    return std::atan2(along[1], along[0]);
+  }
+
+  double plane_diameter(const reduction::PointPx& centre, const ManualMeasurement& m) const {
+    if (!m.diameter_in_image) return *m.diameter_px;
+    return *m.diameter_px / settings_.map.image_px_per_plane_px(settings_.map.to_image({centre.x, centre.y}));
+  }
+
   void set_centre(BallImage& image, Outline& outline, const ManualMeasurement& m) const {
     outline.centre = plane(*m.centre);
     image.centre_px = {outline.centre.x, outline.centre.y};
@@ -86,7 +127,7 @@ class Editor {
   void set_rest(BallImage& image, const ManualMeasurement& m) const {
     image.source = kHand;
     if (m.equator_rad) {
-      image.equator_rad = m.equator_rad;
+      image.equator_rad = m.equator_in_image ? plane_angle(image.centre_px, *m.equator_rad) : *m.equator_rad;
       image.equator_sd_rad = m.equator_sd_rad.value_or(kManualEquator_sd_rad);
     }
     if (m.no_equator) image.equator_rad.reset(), image.equator_sd_rad.reset();
@@ -117,7 +158,8 @@ class Editor {
     BallImage& image = result_.frame.images[index];
     Outline& outline = result_.outlines[index];
     if (m.centre) set_centre(image, outline, m);
-    if (m.diameter_px) set_diameter(image, outline, *m.diameter_px, hand_diameter_sd_px(m.diameter_sd_px));
+    if (m.diameter_px)
+      set_diameter(image, outline, plane_diameter(image.centre_px, m), hand_diameter_sd_px(m.diameter_sd_px));
     if ((m.centre || m.diameter_px) && image.centre_cov_px2) replace_fit(outline, image);
     set_rest(image, m);
   }
@@ -129,7 +171,7 @@ class Editor {
     image.time_s = std::numeric_limits<double>::quiet_NaN();
     set_centre(image, outline, m);
     if (m.diameter_px)
-      set_diameter(image, outline, *m.diameter_px, hand_diameter_sd_px(m.diameter_sd_px));
+      set_diameter(image, outline, plane_diameter(image.centre_px, m), hand_diameter_sd_px(m.diameter_sd_px));
     else if (const auto [median, sd] = typical_diameter(); median > 0.0)
       set_diameter(image, outline, median, sd);
     else if (m.leg != reduction::Leg::contact)

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <numbers>
+#include <utility>
 
 #include "common/config/toml_reader.hpp"
 #include "host/digitize/corrections/corrections.hpp"
@@ -45,13 +46,38 @@ std::optional<reduction::Leg> leg(TomlTable& table) {
   return word == "contact" ? reduction::Leg::contact : reduction::Leg::rebound;
 }
 
+/// A number of the frame, NAME_px or NAME_deg, or of the photograph, NAME_image_px or NAME_image_deg.
+std::optional<double> of_frame_or_image(TomlTable& table, const std::string& name, const std::string& unit,
+                                        Range range, bool& in_image) {
+  const std::string frame = name + "_" + unit, image = name + "_image_" + unit;
+  auto value = table.optional_number(frame, range);
+  if (!table.has(image)) return value;
+  if (value) table.error_at(image, "is there twice: " + frame + " says it already");
+  in_image = true;
+  return table.optional_number(image, range);
+}
+
+ManualSurface surface(TomlTable& table) {
+  ManualSurface line;
+  for (const auto& [name, end] : {std::pair{"left", &line.left}, std::pair{"right", &line.right}}) {
+    if (const auto at = point(table, name))
+      *end = *at;
+    else
+      table.error_at("", fmt::format("{0}_px (or {0}_image_px) is missing", name));
+  }
+  line.sd_px = table.optional_number("sd_px", kSd);
+  return line;
+}
+
 ManualMeasurement measurement(TomlTable& table) {
   ManualMeasurement measured;
   measured.centre = point(table, "centre");
   measured.centre_sd_px = table.optional_number("centre_sd_px", kSd);
-  measured.diameter_px = table.optional_number("diameter_px", kLength);
+  measured.diameter_px = of_frame_or_image(table, "diameter", "px", kLength, measured.diameter_in_image);
   measured.diameter_sd_px = table.optional_number("diameter_sd_px", kSd);
-  measured.equator_rad = angle(table, "equator_deg", {-360.0, 360.0});
+  measured.equator_rad =
+      of_frame_or_image(table, "equator", "deg", {-360.0, 360.0}, measured.equator_in_image);
+  if (measured.equator_rad) *measured.equator_rad *= std::numbers::pi / 180.0;
   measured.equator_sd_rad = angle(table, "equator_sd_deg", {1e-3, 90.0});
   measured.no_equator = table.boolean_or("no_equator", false);
   measured.leg = leg(table);
@@ -106,8 +132,14 @@ Result<std::vector<Correction>> parse_corrections(std::string_view text, const s
   read_all("remove", Correction::Kind::remove);
   read_all("move", Correction::Kind::move);
   read_all("add", Correction::Kind::add);
+  if (TomlTable table = root.table("surface"); table.present()) {
+    Correction& correction = corrections.emplace_back();
+    correction.kind = Correction::Kind::surface;
+    correction.location = fmt::format("{}:{}", file_name, table.line_of(""));
+    correction.surface = surface(table);
+  }
   if (auto error = reader.error()) return tl::unexpected(*error);
-  if (corrections.empty()) return fail(file_name + ": no [[add]], [[move]] or [[remove]]");
+  if (corrections.empty()) return fail(file_name + ": no [[add]], [[move]], [[remove]] or [surface]");
   return corrections;
 }
 

@@ -169,11 +169,12 @@ class Canvas {
   std::vector<cv::Rect> taken_;
 };
 
-void draw_surface(Canvas& canvas, const reduction::Frame& frame) {
+void draw_surface(Canvas& canvas, const Digitization& digitization) {
+  const cv::Scalar& colour = digitization.surface_by_hand ? kByHand : kSurface;
   std::vector<cv::Point2d> points;
-  for (const auto& p : frame.surface_px) points.emplace_back(p.x, p.y);
-  if (points.size() >= 2) canvas.curve(points, false, kSurface, canvas.thickness());
-  for (const cv::Point2d& p : points) canvas.cross(p, 12.0, kSurface);
+  for (const auto& p : digitization.frame.surface_px) points.emplace_back(p.x, p.y);
+  if (points.size() >= 2) canvas.curve(points, false, colour, canvas.thickness());
+  for (const cv::Point2d& p : points) canvas.cross(p, 12.0, colour);
 }
 
 /// A short line at a contact image's top.
@@ -222,7 +223,7 @@ cv::Mat draw_overlay(const Photograph& photograph, const PlaneMap& map, const Di
                      const OverlaySettings& settings) {
   Canvas canvas(photograph, map, settings.longest_side_px);
   const auto& images = digitization.frame.images;
-  draw_surface(canvas, digitization.frame);
+  draw_surface(canvas, digitization);
   if (settings.rejected) {
     for (const Unmeasured& u : digitization.unmeasured) {
       if (u.what == "image") canvas.ellipse(map.outline(u.centre, u.diameter), kRejected, 1);

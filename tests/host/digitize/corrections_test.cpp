@@ -116,7 +116,7 @@ TEST(CorrectionsFile, HoldsWhatIsToBeAddedMovedAndRemoved) {
 }
 
 TEST(CorrectionsFile, NamesTheLineAndKeyThatIsWrong) {
-  CHECK_EQUAL("fix.toml: no [[add]], [[move]] or [[remove]]", complaint(""));
+  CHECK_EQUAL("fix.toml: no [[add]], [[move]], [[remove]] or [surface]", complaint(""));
   STRCMP_CONTAINS("fix.toml:1: ", complaint("[[remove]]\n").c_str());
   STRCMP_CONTAINS("at_px (or at_image_px) is missing", complaint("[[remove]]\n").c_str());
   STRCMP_CONTAINS("centre_px (or centre_image_px) is missing", complaint("[[add]]\n").c_str());
@@ -132,6 +132,29 @@ TEST(CorrectionsFile, NamesTheLineAndKeyThatIsWrong) {
                   complaint("[[move]]\nat_px = [1, 2]\nequator_deg = 1\nno_equator = true\n").c_str());
   STRCMP_CONTAINS("is there twice",
                   complaint("[[add]]\ncentre_px = [1, 2]\ncentre_image_px = [1, 2]\n").c_str());
+}
+
+TEST(CorrectionsFile, HoldsTheSurfacesLine) {
+  const auto read = parsed("[surface]\nleft_px = [10, 20]\nright_image_px = [300, 1500]\nsd_px = 1.5\n");
+  LONGS_EQUAL(1, read.size());
+  CHECK_EQUAL(Correction::Kind::surface, read[0].kind);
+  CHECK_EQUAL("fix.toml:1", read[0].location);
+  DOUBLES_EQUAL(20.0, read[0].surface.left.point.y, 0.0);
+  CHECK_FALSE(read[0].surface.left.in_image);
+  CHECK_TRUE(read[0].surface.right.in_image);
+  DOUBLES_EQUAL(1.5, read[0].surface.sd_px.value(), 0.0);
+  STRCMP_CONTAINS("fix.toml:1: surface: right_px (or right_image_px) is missing",
+                  complaint("[surface]\nleft_px = [1, 2]\n").c_str());
+  STRCMP_CONTAINS("surface.middle_px",
+                  complaint("[surface]\nleft_px = [1, 2]\nright_px = [3, 2]\nmiddle_px = 1\n").c_str());
+  STRCMP_CONTAINS("sd_px", complaint("[surface]\nleft_px = [1, 2]\nright_px = [3, 2]\nsd_px = 0\n").c_str());
+}
+
+TEST(CorrectionsFile, NamesTheFrameOrThePhotographNotBoth) {
+  STRCMP_CONTAINS("diameter_image_px: is there twice",
+                  complaint("[[add]]\ncentre_px = [1, 2]\ndiameter_px = 5\ndiameter_image_px = 5\n").c_str());
+  STRCMP_CONTAINS("equator_image_deg: is there twice",
+                  complaint("[[add]]\ncentre_px = [1, 2]\nequator_deg = 5\nequator_image_deg = 5\n").c_str());
 }
 
 TEST_GROUP(Corrections){};
@@ -198,4 +221,56 @@ TEST(Corrections, OneThatMeansNoImageIsRefusedAndChangesNothing) {
 TEST(Corrections, TwoThatMeanTheSameImageAreRefused) {
   CHECK_EQUAL("fix.toml:3: means the same image as fix.toml:1",
               refusal("[[remove]]\n" + at(1) + "[[move]]\n" + at(1) + "diameter_px = 250\n"));
+}
+
+TEST(Corrections, TheSurfaceLineByHandIsTheFramesAndMarked) {
+  const Digitization made = corrected(
+      fmt::format("[surface]\nright_image_px = [100, {}]\nleft_px = [2700, 312]\n", kHeight_px - 1 - 305));
+  CHECK_TRUE(made.surface_by_hand);
+  LONGS_EQUAL(2, made.frame.surface_px.size());
+  DOUBLES_EQUAL(100.0, made.frame.surface_px[0].x, 0.0);  // from left to right, however they were given
+  DOUBLES_EQUAL(305.0, made.frame.surface_px[0].y, 1e-9);
+  DOUBLES_EQUAL(312.0, made.frame.surface_px[1].y, 0.0);
+  DOUBLES_EQUAL(2.0, made.frame.surface_sd_px.value(), 1e-12);  // half a millimetre
+  for (const BallImage& image : made.frame.images) CHECK_EQUAL("auto", image.source);
+}
+
+TEST(Corrections, ByAnotherSurfaceLineOtherImagesAreInContact) {
+  const auto legs = [](const Digitization& d, Leg leg) {
+    return std::ranges::count_if(d.frame.images, [leg](const BallImage& image) { return image.leg == leg; });
+  };
+  LONGS_EQUAL(0, legs(corrected("[surface]\nleft_px = [100, 300]\nright_px = [2700, 300]\n"), Leg::contact));
+  // 50 px higher: the lowest ball, whose centre is at 430, touches it; its top is a radius above its centre.
+  const Digitization raised =
+      corrected("[surface]\nleft_px = [100, 350]\nright_px = [2700, 350]\nsd_px = 0.5\n");
+  CHECK_TRUE(legs(raised, Leg::contact) > 0);
+  for (const BallImage& image : raised.frame.images) {
+    CHECK_EQUAL(image.leg == Leg::contact, image.top_px.has_value());
+    if (image.top_px) DOUBLES_EQUAL(image.centre_px.y + 0.5 * kDiameter_px, image.top_px->y, 1e-6);
+  }
+  // What a person says of an image holds against the line.
+  const Digitization told =
+      corrected("[[move]]\n" + at(3) + "leg = \"incoming\"\n" +
+                "[surface]\nleft_px = [100, 350]\nright_px = [2700, 350]\nsd_px = 0.5\n");
+  CHECK_EQUAL(Leg::incoming, told.frame.images.at(3).leg);
+}
+
+TEST(Corrections, ASurfaceLineOfOnePointIsRefused) {
+  CHECK_EQUAL("fix.toml:1: surface: left and right are the same point",
+              refusal("[surface]\nleft_px = [100, 350]\nright_px = [100.2, 350]\n"));
+}
+
+TEST(Corrections, OnThePhotographAreAsATiltedCameraShowsThem) {
+  // The photograph shows the plane a quarter turn on and half as large: column = y / 2, row = x / 2.
+  DigitizeSettings turned = settings();
+  turned.map = PlaneMap::calibrated({}, cv::Matx33d(0.0, 2.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0), {});
+  Digitization made = digitized();
+  const cv::Point2d at = turned.map.to_image(centre_of(5));
+  const std::string text = fmt::format(
+      "[[move]]\nat_image_px = [{}, {}]\ndiameter_image_px = 125\nequator_image_deg = 30\n", at.x, at.y);
+  CHECK_TRUE(apply_corrections(made, parsed(text), turned).has_value());
+  const BallImage& image = made.frame.images.at(5);
+  DOUBLES_EQUAL(250.0, image.diameter_px, 1e-9);
+  // (cos 30, -sin 30) in columns and rows is (-sin 30, cos 30) in the plane.
+  DOUBLES_EQUAL(2.0 * std::numbers::pi / 3.0, image.equator_rad.value(), 1e-12);
 }
