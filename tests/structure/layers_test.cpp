@@ -40,7 +40,7 @@ const std::map<std::string, std::vector<Layer>> kLayers{
     {"host",
      {
          {"host/clock", "host/config", "host/digitize/core", "host/digitize/image", "host/external",
-          "host/thesis"},
+          "host/thesis", "host/web/http"},
          {"host/assembly", "host/camera", "host/digitize/candidates", "host/digitize/equator",
           "host/digitize/outline", "host/digitize/surface", "host/digitize/transfer", "host/messages",
           "host/thesis/figures"},

@@ -1,0 +1,53 @@
+// Serves the page and its interface over HTTP, on threads of its own that the host's own work goes before. Reads and
+// writes sockets; the object belongs to one thread.
+//
+// Limits: a request's head 16 kB, its body 256 kB; 200 connections, of which those that have shown no right to ask are
+// closed first; 20 viewers of the event stream; one slow request at a time, 16 waiting. What is beyond is answered 503,
+// what is malformed 400.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "common/result.hpp"
+#include "host/web/http/limits.hpp"
+#include "host/web/http/event_hub.hpp"
+#include "host/web/http/router.hpp"
+
+namespace strobe::web {
+
+struct ServerSettings {
+  std::string address = "127.0.0.1";  ///< IPv4 or IPv6, in figures
+  std::uint16_t port = 8650;          ///< 0: any that is free
+  std::string files_folder;           ///< the page's files are read from there; empty: those built in
+  Limits limits;
+};
+
+class PageServer {
+ public:
+  /// Router and hub must outlive the server; nothing is added to the router any more. Fails with a line that names address
+  /// and port.
+  static Result<std::unique_ptr<PageServer>> open(const ServerSettings& settings, const Router& router, EventHub& hub);
+  ~PageServer();
+  PageServer(const PageServer&) = delete;
+  PageServer& operator=(const PageServer&) = delete;
+
+  std::uint16_t port() const;
+  /// "http://127.0.0.1:8650/"
+  std::string url() const;
+  /// Likewise, with the secret if one is needed: for the eyes of the person who started the program.
+  std::string url_with_secret() const;
+  const std::string& secret() const;
+
+  /// Tells the viewers of the event stream (`end`) and closes, within half a second. False if a slow request goes on: then
+  /// what its handler uses, the router included, must be left as it is, and the process ended by _exit().
+  bool end();
+
+ private:
+  class Implementation;
+  explicit PageServer(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace strobe::web
