@@ -1,0 +1,61 @@
+#include "host/web/http/router.hpp"
+
+#include <stdexcept>
+
+#include "tests/support/string_from.hpp"
+
+using namespace strobe::web;
+
+TEST_GROUP(WebRouter) {
+  Router router;
+
+  void setup() override {
+    router.get("/api/v1/sessions", Work::quick, [](const Request&) { return error_response(200, "list"); });
+    router.get("/api/v1/sessions/{session}/shots/{shot}", Work::slow, [](const Request& request) {
+      return error_response(200, request.parameters.at("session") + " " + request.parameters.at("shot"));
+    });
+    router.post("/api/v1/stop", Work::quick, [](const Request& request) { return error_response(200, request.body); });
+    router.get("/bad", Work::quick, [](const Request&) -> Response { throw std::runtime_error("two\nlines"); });
+  }
+  Response asked(const std::string& method, const std::string& path) {
+    Request request;
+    request.method = method;
+    request.path = path;
+    return router.route(request);
+  }
+  std::string text(const std::string& method, const std::string& path) { return *asked(method, path).body; }
+};
+
+TEST(WebRouter, FindsAPathAndWhatItsNamesMatch) {
+  CHECK_EQUAL("{\"error\":\"list\"}", text("GET", "/api/v1/sessions"));
+  CHECK_EQUAL("{\"error\":\"day 1 3\"}", text("GET", "/api/v1/sessions/day 1/shots/3"));
+  CHECK_EQUAL("{\"error\":\"day 1 3\"}", text("HEAD", "/api/v1/sessions/day 1/shots/3"));
+}
+
+TEST(WebRouter, AnswersWhatIsNotThereWith404) {
+  for (const char* path : {"/", "", "/api/v1/session", "/api/v1/sessions/", "/api/v1/sessions/a", "/api/v1/sessions//shots/1",
+                           "/api/v1/sessions/a/shots/", "/api/v1/sessions/a/shots/1/x", "api/v1/sessions"})
+    LONGS_EQUAL(404, asked("GET", path).status);
+}
+
+TEST(WebRouter, AnswersAnotherMethodWith405) {
+  LONGS_EQUAL(405, asked("GET", "/api/v1/stop").status);
+  LONGS_EQUAL(405, asked("HEAD", "/api/v1/stop").status);
+  LONGS_EQUAL(405, asked("POST", "/api/v1/sessions").status);
+}
+
+TEST(WebRouter, TellsWhichWorkIsSlow) {
+  Request request;
+  request.method = "GET";
+  request.path = "/api/v1/sessions/a/shots/1";
+  CHECK(router.find(request).work == Work::slow);
+}
+
+TEST(WebRouter, AnswersAnExceptionWith500AndItsWordsInOneLine) {
+  LONGS_EQUAL(500, asked("GET", "/bad").status);
+  CHECK_EQUAL("{\"error\":\"two lines\"}", text("GET", "/bad"));
+}
+
+TEST(WebRouter, ReplacesBytesThatAreNoUtf8InAnAnswer) {
+  CHECK_EQUAL("{\"error\":\"a\xEF\xBF\xBD\"}", *error_response(400, "a\xFF").body);
+}
