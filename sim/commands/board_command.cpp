@@ -56,12 +56,12 @@ BoardPlace place_of(const BoardOptions& options, BoardPlace place, int index) {
     constexpr double kSlant_deg = 25.0;
     constexpr std::array<std::array<double, 2>, 4> kSlants{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
     const auto& slant = kSlants[static_cast<std::size_t>(index - 1) % kSlants.size()];
-    place.turns_deg = {kSlant_deg * slant[0], kSlant_deg * slant[1], 5.0 * index};
+    for (std::size_t i = 0; i < 3; ++i) place.turns_deg[i] += i < 2 ? kSlant_deg * slant[i] : 5.0 * index;
     return place;
   }
   place.aside_m[0] += options.aside_mm[0] * 1e-3;
   place.aside_m[1] += options.aside_mm[1] * 1e-3;
-  place.turns_deg = {options.turns_deg[0], options.turns_deg[1], options.turns_deg[2]};
+  for (std::size_t i = 0; i < 3; ++i) place.turns_deg[i] += options.turns_deg[i];
   return place;
 }
 

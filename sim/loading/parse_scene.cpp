@@ -33,6 +33,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file_name, c
   scene.lamps = tables::read_lamps(root.table("lamps"));
   scene.sensors = tables::read_sensors(root.table("sensors"));
   scene.shutter = tables::read_shutter(root.table("shutter"));
+  scene.hand = tables::read_hand(root.table("hand"));
   scene.gate.distance_m = root.table("gate").number_or("distance_m", scene.gate.distance_m, {0.1, 20.0});
   scene.camera = tables::read_camera(root.table("camera"), scene.ball);
   scene.tablet = tables::read_tablet(root.table("tablet"));

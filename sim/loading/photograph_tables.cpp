@@ -48,6 +48,7 @@ PhotographSettings read_photograph(TomlTable table) {
   p.second_flash = table.number_or("second_flash", p.second_flash, {0.0, 0.9});
   p.second_flash_s = table.number_or("second_flash_us", p.second_flash_s / kMicro, {0.0, 400.0}) * kMicro;
   p.ambient = table.number_or("ambient", p.ambient, {0.0, 0.9});
+  p.steady = table.choice_or("setup", "drawn", {"drawn", "steady"}) == "steady";
   return p;
 }
 
@@ -81,6 +82,7 @@ BackgroundSettings read_background(TomlTable table) {
   b.plate_half_length_m = table.optional_number("plate_half_length_m", {0.05, 5.0});
   b.clutter = table.number_or("clutter", b.clutter, {0.0, 3.0});
   b.blobs = static_cast<int>(table.integer_or("blobs", b.blobs, {0, 20}));
+  if (table.has("flashes")) b.flashes = static_cast<int>(table.integer("flashes", {1, 100000}));
   return b;
 }
 

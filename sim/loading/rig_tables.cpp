@@ -19,6 +19,10 @@ void read_lens(TomlTable& table, CameraSettings& c, const ball::Ball& ball) {
     c.distance_m = *distance_m;
   c.off_plane_sd_m = table.number_or("off_plane_sd_mm", c.off_plane_sd_m / kMilli, {0.0, 500.0}) * kMilli;
   c.distortion = table.number_or("distortion", c.distortion, {kMinDistortion, 0.5});
+  c.swing_rad = table.number_or("swing_deg", 0.0, {-30.0, 30.0}) * kDegree;
+  c.tilt_rad = table.number_or("tilt_deg", 0.0, {-30.0, 30.0}) * kDegree;
+  if (c.turned() && c.distance_m <= 0.0) table.error_at("distance_m", "is needed with swing_deg or tilt_deg");
+  if (c.turned() && c.distortion != 0.0) table.error_at("distortion", "excludes swing_deg and tilt_deg");
   c.pixels = table.choice_or("rendering", "points", {"points", "pixels"}) == "pixels";
   const double nearest_m = kLargestNormal * c.off_plane_sd_m + ball.diameter_m;
   if (c.distance_m > 0.0 && c.distance_m < nearest_m)
@@ -58,6 +62,9 @@ SensorSettings read_sensors(TomlTable table) {
   s.delay_s = table.number_or("delay_us", s.delay_s / kMicro, {0.0, 1000.0}) * kMicro;
   s.jitter_s = table.number_or("jitter_us", s.jitter_s / kMicro, {0.0, 1000.0}) * kMicro;
   s.pulse_s = table.number_or("pulse_us", s.pulse_s / kMicro, {1.0, 10000.0}) * kMicro;
+  const std::string crosstalk = table.choice_or("crosstalk", "none", {"none", "a", "b", "both"});
+  s.a_sees_b = crosstalk == "a" || crosstalk == "both";
+  s.b_sees_a = crosstalk == "b" || crosstalk == "both";
   return s;
 }
 
@@ -66,7 +73,18 @@ ShutterSettings read_shutter(TomlTable table) {
   s.open_lag_s = table.number_or("open_lag_ms", s.open_lag_s / kMilli, {0.0, 1000.0}) * kMilli;
   s.close_lag_s = table.number_or("close_lag_ms", s.close_lag_s / kMilli, {0.0, 1000.0}) * kMilli;
   s.lag_sd_s = table.number_or("lag_sd_ms", s.lag_sd_s / kMilli, {0.0, 100.0}) * kMilli;
+  if (const auto longest_ms = table.optional_number("longest_open_ms", Range{1.0, 60000.0}))
+    s.longest_open_s = *longest_ms * kMilli;
   return s;
+}
+
+HandSettings read_hand(TomlTable table) {
+  HandSettings h;
+  if (const auto height_m = table.optional_number("drop_height_m", Range{0.01, 10.0}))
+    h.drop_height_m = *height_m;
+  h.touchdown_s = table.number_or("touchdown_s", h.touchdown_s, {0.0, 60.0});
+  h.spot_sd_m = table.number_or("spot_sd_mm", h.spot_sd_m / kMilli, {0.0, 500.0}) * kMilli;
+  return h;
 }
 
 CameraSettings read_camera(TomlTable table, const ball::Ball& ball) {

@@ -30,6 +30,7 @@ AirSettings read_air(config::TomlTable table);
 LampSettings read_lamps(config::TomlTable table);
 SensorSettings read_sensors(config::TomlTable table);
 ShutterSettings read_shutter(config::TomlTable table);
+HandSettings read_hand(config::TomlTable table);
 CameraSettings read_camera(config::TomlTable table, const ball::Ball& ball);
 TabletSettings read_tablet(config::TomlTable table);
 ReadoutSettings read_readout(config::TomlTable table);

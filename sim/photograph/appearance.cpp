@@ -77,7 +77,9 @@ LampAppearance draw_lamp(Artist& artist, const BallAppearanceSettings& s, double
 
 }  // namespace
 
-Appearance draw_appearance(const Scene& scene, std::uint64_t seed, int shot) {
+namespace {
+
+Appearance draw(const Scene& scene, std::uint64_t seed, int shot) {
   Artist artist(Draws(seed, Purpose::appearance, static_cast<std::uint64_t>(shot)));
   Appearance appearance;
   appearance.ball = draw_ball(artist, scene.ball_appearance);
@@ -94,6 +96,19 @@ Appearance draw_appearance(const Scene& scene, std::uint64_t seed, int shot) {
   appearance.blur_px = artist.between(0.5, 1.1, scene.photograph.blur_px);
   appearance.vignetting = artist.between(0.05, 0.3, scene.photograph.vignetting);
   appearance.noise = artist.seed();
+  return appearance;
+}
+
+}  // namespace
+
+Appearance draw_appearance(const Scene& scene, std::uint64_t seed, int shot) {
+  Appearance appearance = draw(scene, seed, shot);
+  if (!scene.photograph.steady) return appearance;
+  // The noise is each photograph's own, and so is how the ball lies.
+  const std::uint64_t noise = appearance.noise, texture = appearance.ball.texture;
+  appearance = draw(scene, seed, 0);
+  appearance.noise = noise;
+  appearance.ball.texture = texture;
   return appearance;
 }
 

@@ -137,6 +137,17 @@ std::vector<Vec2> outline_on_sensor(const Optics& optics, const Vec3& centre, do
   return outline;
 }
 
+std::vector<BallImageOnSensor> more_lit_balls(const Scene& scene, const Exposure& exposure,
+                                              const Appearance& appearance) {
+  std::vector<BallImageOnSensor> images;
+  for (const ThrownBall& ball : exposure.more_balls) {
+    Exposure other = exposure;
+    other.ball = ball;
+    for (BallImageOnSensor& image : lit_balls(scene, other, appearance)) images.push_back(std::move(image));
+  }
+  return images;
+}
+
 std::vector<BallImageOnSensor> lit_balls(const Scene& scene, const Exposure& exposure,
                                          const Appearance& appearance) {
   const std::vector<FilmImage> films = film_images(with_all_in_view(scene), exposure);

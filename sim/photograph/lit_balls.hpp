@@ -25,6 +25,10 @@ struct BallImageOnSensor {
   std::vector<LitBall> balls;  ///< spread over the flash where the ball moves visibly; at least one
 };
 
+/// Of the balls that a fault throws besides the shot's.
+std::vector<BallImageOnSensor> more_lit_balls(const Scene& scene, const Exposure& exposure,
+                                              const Appearance& appearance);
+
 /// In order of time.
 std::vector<BallImageOnSensor> lit_balls(const Scene& scene, const Exposure& exposure,
                                          const Appearance& appearance);

@@ -49,9 +49,19 @@ Optics::Optics(const Scene& scene)
   turn_sin_ = std::sin(turn);
   const double w = scene.camera.half_width_m;
   bend_pm2_ = scene.camera.distortion / (w * w + half_height_m_ * half_height_m_);
+  if (!scene.camera.turned()) return;
+  const Vec2 foot = image_of({0.0, 0.0, 0.0});
+  foot_px_ = {foot.x, sensor_.height - 1.0 - foot.y};
+  slant_ = Slant(scene.camera.swing_rad, scene.camera.tilt_rad, px_per_m_ * distance_m_);
 }
 
 Vec2 Optics::plane_at(double column, double row) const {
+  if (!slant_.is_none()) {
+    const Eigen::Vector2d square =
+        foot_px_ + slant_.undo(Eigen::Vector2d(column, sensor_.height - 1.0 - row) - foot_px_);
+    column = square.x();
+    row = sensor_.height - 1.0 - square.y();
+  }
   const double u = (column - origin_x_px_) / px_per_m_;
   const double v = (sensor_.height - 1.0 - row - origin_y_px_) / px_per_m_;
   const Vec2 seen{turn_cos_ * u + turn_sin_ * v, turn_cos_ * v - turn_sin_ * u - half_height_m_};
@@ -67,8 +77,10 @@ Vec2 Optics::image_of(const Vec3& p) const {
   const double stretch = 1.0 + bend_pm2_ * (x * x + y * y);
   x *= stretch;
   y = stretch * y + half_height_m_;
-  return {origin_x_px_ + px_per_m_ * (turn_cos_ * x - turn_sin_ * y),
-          sensor_.height - 1.0 - (origin_y_px_ + px_per_m_ * (turn_sin_ * x + turn_cos_ * y))};
+  Eigen::Vector2d seen(origin_x_px_ + px_per_m_ * (turn_cos_ * x - turn_sin_ * y),
+                       origin_y_px_ + px_per_m_ * (turn_sin_ * x + turn_cos_ * y));
+  if (!slant_.is_none()) seen = foot_px_ + slant_.apply(Eigen::Vector2d(seen - foot_px_));
+  return {seen.x(), sensor_.height - 1.0 - seen.y()};
 }
 
 Vec3 Optics::from_surface(double x_m, double y_m, double off_plane_m) const {

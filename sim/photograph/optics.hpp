@@ -6,6 +6,7 @@
 // the surface, y up, z towards the lens; the surface is at y = -height_m/2.
 #pragma once
 
+#include "sim/rig/slant.hpp"
 #include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
@@ -64,6 +65,8 @@ class Optics {
   double turn_cos_;
   double turn_sin_;
   double bend_pm2_ = 0.0;
+  Slant slant_;
+  Eigen::Vector2d foot_px_ = Eigen::Vector2d::Zero();  ///< of the axis; x to the right, y up
 };
 
 }  // namespace strobe::sim

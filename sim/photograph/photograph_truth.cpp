@@ -17,9 +17,9 @@ using reduction::PointPx;
 
 constexpr int kOutlinePoints = 256;
 
-/// The scene's camera with a perfect lens.
+/// The scene's camera with a perfect lens, square to the plane.
 Scene without_distortion(Scene scene) {
-  scene.camera.distortion = 0.0;
+  scene.camera.distortion = scene.camera.swing_rad = scene.camera.tilt_rad = 0.0;
   return scene;
 }
 

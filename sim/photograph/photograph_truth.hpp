@@ -1,6 +1,6 @@
 // True values of a photograph's images. Coordinates are plane px: those of a frame, as on
-// the photograph (x the column, y upwards from the middle of the lowest row) but with the lens's distortion
-// undone; perspective is left as it is. Thread-safe; allocates.
+// the photograph (x the column, y upwards from the middle of the lowest row) but with the lens's distortion and the
+// camera's tilt undone; perspective is left as it is. Thread-safe; allocates.
 #pragma once
 
 #include <optional>

@@ -39,9 +39,11 @@ Result<Photograph> render(const Scene& scene, const Exposure& exposure, const Ap
   const std::array<double, 2> all = light_of_all(exposure, appearance, scene.photograph.flash_power_sd);
   cv::Mat light(size.height, size.width, CV_32FC1, cv::Scalar(0.0));
   if (all[0] + all[1] > 0.0) {
-    const cv::Mat behind = render_background(scene, appearance, images, all);
+    cv::Mat behind = render_background(scene, appearance, images, all);
+    if (scene.background.flashes > 0) behind *= (all[0] + all[1]) / (2.0 * scene.background.flashes);
     behind.copyTo(light);
     add_balls(scene, appearance, images, all, behind, light);
+    add_balls(scene, appearance, more_lit_balls(scene, exposure, appearance), all, behind, light);
   }
   light = light * (kUsualLight * scene.photograph.exposure) + scene.photograph.ambient;
   blur(light, appearance.blur_px, scene.photograph.defocus_px);

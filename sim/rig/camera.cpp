@@ -15,6 +15,10 @@ Camera::Camera(const Scene& scene)
   const double w = settings_.half_width_m;
   const double h = 0.5 * settings_.height_m;
   if (settings_.distortion != 0.0) bend_pm2_ = settings_.distortion / (w * w + h * h);
+  const reduction::PointPx foot = photograph({0.0, 0.0});
+  foot_px_ = {foot.x, foot.y};
+  if (settings_.turned())
+    slant_ = Slant(settings_.swing_rad, settings_.tilt_rad, settings_.px_per_m * settings_.distance_m);
 }
 
 /// From the axis, x to the photograph's right. [m]
@@ -35,8 +39,27 @@ Camera::Point Camera::seen(double x_m, double y_m, double off_plane_m) const {
 
 reduction::PointPx Camera::photograph(const Point& p) const {
   const double y = p.y + 0.5 * settings_.height_m;
-  return {settings_.origin_x_px + settings_.px_per_m * (turn_cos_ * p.x - turn_sin_ * y),
-          settings_.origin_y_px + settings_.px_per_m * (turn_sin_ * p.x + turn_cos_ * y)};
+  const reduction::PointPx square{
+      settings_.origin_x_px + settings_.px_per_m * (turn_cos_ * p.x - turn_sin_ * y),
+      settings_.origin_y_px + settings_.px_per_m * (turn_sin_ * p.x + turn_cos_ * y)};
+  if (slant_.is_none()) return square;
+  const Eigen::Vector2d seen = foot_px_ + slant_.apply(Eigen::Vector2d(square.x, square.y) - foot_px_);
+  return {seen.x(), seen.y()};
+}
+
+void Camera::slant(BallView& view) const {
+  if (slant_.is_none()) return;
+  const Eigen::Vector2d seen(view.centre_px.x, view.centre_px.y);
+  const Eigen::Vector2d square = slant_.undo(seen - foot_px_);
+  const Eigen::Vector2d line =
+      slant_.jacobian(square) * Eigen::Vector2d(std::cos(view.equator_rad), std::sin(view.equator_rad));
+  const Slant::Ellipse image =
+      slant_.apply(Slant::Ellipse{square, view.along_px, view.across_px, view.axis_rad});
+  view.centre_px = {foot_px_.x() + image.centre.x(), foot_px_.y() + image.centre.y()};
+  view.along_px = image.along;
+  view.across_px = image.across;
+  view.axis_rad = image.axis_rad;
+  view.equator_rad = std::atan2(line.y(), line.x());
 }
 
 double Camera::direction_seen(const Point& c, double depth_m, double angle_rad) const {
@@ -90,6 +113,7 @@ BallView Camera::view(double x_m, double y_m, double off_plane_m, double equator
   view.centre_px = photograph(centre);
   view.axis_rad += turn_rad_;
   view.equator_rad = angle + turn_rad_;
+  slant(view);
   return view;
 }
 

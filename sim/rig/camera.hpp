@@ -24,12 +24,16 @@
 // (half_width_m, height_m/2), k the scene's distortion. An extended image is seen through the derivative of
 // that at its centre, 1 + 3k·|p|²/r0² along p and 1 + k·|p|²/r0² across; the centre of its area is farther
 // out by the share 3k·a·b/r0², as the outer parts are the more enlarged. All to first order in k.
+//
+// A camera turned by swing_deg and tilt_deg sees all of that through a homography (slant.hpp), exactly but for the
+// equator's angle, which is turned by its derivative at the ball's centre.
 #pragma once
 
 #include <cmath>
 #include <numbers>
 
 #include "common/reduction/frame.hpp"
+#include "sim/rig/slant.hpp"
 #include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
@@ -83,6 +87,7 @@ class Camera {
   double direction_seen(const Point& centre, double depth_m, double angle_rad) const;
   void distort(BallView& view, Point& centre, double& angle_rad) const;
   reduction::PointPx photograph(const Point& seen) const;
+  void slant(BallView& view) const;
 
   CameraSettings settings_;
   double radius_m_;
@@ -90,6 +95,8 @@ class Camera {
   double turn_cos_;
   double turn_sin_;
   double bend_pm2_;  ///< k/r0²
+  Slant slant_;
+  Eigen::Vector2d foot_px_ = Eigen::Vector2d::Zero();  ///< of the axis, on the photograph
 };
 
 }  // namespace strobe::sim

@@ -73,6 +73,7 @@ class Film {
 
   /// Adds the image if there is one. True: none will follow on this side of the impact.
   bool add(const Blend& blend, std::vector<FilmImage>& images) {
+    if (blend.time < ball_.released) return true;
     const double time_s = to_seconds(blend.time - ball_.touchdown);
     if (last_view_ == View::above && surely_above(time_s)) return false;
     // The whole light of a flash costs little more than its begin; where the ball is out of sight that is enough.

@@ -30,6 +30,7 @@ MonoTime flash_time(const Pulse& pulse);
 struct ThrownBall {
   BallPath path;
   MonoTime touchdown;
+  MonoTime released = MonoTime::min();  ///< from a hand; there is no path before
 };
 
 struct Exposure {
@@ -38,10 +39,11 @@ struct Exposure {
   MonoTime opened = kNoTime;  ///< kNoTime: the line was released before the shutter moved
   MonoTime closed = kNoTime;
   std::vector<Pulse> pulses;
-  std::optional<ThrownBall> ball;  ///< the one that meets the plate
-  int throws = 0;                  ///< number of the machine's throws for this shot
-  std::vector<FaultKind> faults;   ///< that occurred, each once
-  bool overrun = false;            ///< the simulation itself could not keep up: edges came late or were lost
+  std::optional<ThrownBall> ball;      ///< the one that meets the plate
+  std::vector<ThrownBall> more_balls;  ///< that a fault throws besides
+  int throws = 0;                      ///< number of the machine's throws for this shot
+  std::vector<FaultKind> faults;       ///< that occurred, each once
+  bool overrun = false;  ///< the simulation itself could not keep up: edges came late or were lost
 
   bool has(FaultKind fault) const { return std::ranges::find(faults, fault) != faults.end(); }
 };

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 
+#include "common/flight/aerodynamics.hpp"
 #include "sim/scene/reduced_scene.hpp"
 
 namespace strobe::sim {
@@ -19,6 +21,18 @@ constexpr int kChatter = 3;
 
 constexpr std::size_t index(RigLine line) { return static_cast<std::size_t>(line); }
 constexpr std::size_t index(Lamp lamp) { return lamp == Lamp::a ? 0 : 1; }
+constexpr RigLine sensor_of(Lamp lamp) { return lamp == Lamp::a ? RigLine::sensor_a : RigLine::sensor_b; }
+
+/// At touchdown of a ball that fell from rest, with drag along its path.
+double speed_after_fall_mps(const Scene& scene, double height_m) {
+  const double area_m2 = std::numbers::pi * scene.ball.radius_m() * scene.ball.radius_m();
+  const double density = scene.air.density_kgpm3 < 0.0 ? flight::air_density_kgpm3(scene.air.temperature_c)
+                                                       : scene.air.density_kgpm3;
+  const double drag_per_m = 0.5 * density * area_m2 * scene.air.drag_coefficient / scene.ball.mass_kg;
+  const double shrink = 2.0 * drag_per_m * height_m;
+  const double free = 2.0 * flight::kStandardGravity_mps2 * height_m;
+  return std::sqrt(shrink > 1e-9 ? free * -std::expm1(-shrink) / shrink : free);
+}
 
 }  // namespace
 
@@ -133,14 +147,22 @@ MonoTime Rig::sense(Lamp lamp, MonoTime flash, const FlashPlace& place, std::vec
     occurred.push_back(FaultKind::sensor_dropout);
     return kNoTime;
   }
-  const RigLine sensor = lamp == Lamp::a ? RigLine::sensor_a : RigLine::sensor_b;
+  const RigLine sensor = sensor_of(lamp);
   const MonoTime rise = flash + from_seconds(scene_.sensors.delay_s + model.sensor_jitter_s());
   const bool edge = drive_sensor(sensor, rise);
+  sense_beside(lamp, rise);
   if (const Fault* bounce = flash_fault(scene_.faults, FaultKind::sensor_bounce, place, lamp)) {
     occurred.push_back(FaultKind::sensor_bounce);
     bounce_sensor(sensor, rise, bounce->delay);
   }
   return edge ? rise : kNoTime;
+}
+
+/// The other lamp's sensor, if it sees this one, too.
+void Rig::sense_beside(Lamp lamp, MonoTime rise) {
+  const Lamp other = lamp == Lamp::a ? Lamp::b : Lamp::a;
+  const bool seen = lamp == Lamp::a ? scene_.sensors.b_sees_a : scene_.sensors.a_sees_b;
+  if (seen && lamps_[index(other)].sensor_works(exposures_)) drive_sensor(sensor_of(other), rise);
 }
 
 /// Whether it made a rising edge.
@@ -186,30 +208,70 @@ void Rig::on_shutter(int level, MonoTime at) {
       note_faults({FaultKind::shutter_stuck});
     } else {
       schedule({current_->opened, RigLine::xsync, 1});
+      if (scene_.shutter.longest_open_s > 0.0)
+        schedule({current_->opened + from_seconds(scene_.shutter.longest_open_s), RigLine::xsync, 0});
     }
     if (known(waiting_.triggered) && at - waiting_.triggered < kBallInFlight) {
       current_->ball = std::move(waiting_.ball);
+      current_->more_balls = std::move(waiting_.more_balls);
       current_->throws = waiting_.throws;
       note_faults(waiting_.faults);
+    } else {
+      drop_by_hand();
     }
     waiting_ = {};
   } else if (current_ && !known(current_->closed)) {
-    if (at < current_->opened) {
-      std::erase_if(pending_, [](const Drive& drive) { return drive.line == RigLine::xsync; });
-      current_->opened = kNoTime;
-      current_->closed = at;
-    } else {
-      current_->closed = at + from_seconds(std::max(0.0, shutter_draws_->normal(scene_.shutter.close_lag_s,
-                                                                                scene_.shutter.lag_sd_s)));
-      if (known(current_->opened)) schedule({current_->closed, RigLine::xsync, 0});
-    }
+    release_shutter(at);
   }
+}
+
+void Rig::release_shutter(MonoTime at) {
+  if (at < current_->opened) {
+    std::erase_if(pending_, [](const Drive& drive) { return drive.line == RigLine::xsync; });
+    current_->opened = kNoTime;
+    current_->closed = at;
+    return;
+  }
+  current_->closed = at + from_seconds(std::max(0.0, shutter_draws_->normal(scene_.shutter.close_lag_s,
+                                                                            scene_.shutter.lag_sd_s)));
+  if (!known(current_->opened)) return;
+  if (scene_.shutter.longest_open_s > 0.0) {
+    const MonoTime by_itself = current_->opened + from_seconds(scene_.shutter.longest_open_s);
+    if (by_itself <= current_->closed) {
+      current_->closed = by_itself;
+      return;
+    }
+    std::erase_if(pending_,
+                  [](const Drive& drive) { return drive.line == RigLine::xsync && drive.level == 0; });
+  }
+  schedule({current_->closed, RigLine::xsync, 0});
+}
+
+/// Straight down, which across an inclined plate is not along its normal.
+void Rig::drop_by_hand() {
+  const HandSettings& hand = scene_.hand;
+  if (hand.drop_height_m <= 0.0 || !known(current_->opened)) return;
+  ShotConditions dropped = draw_shot_conditions(scene_, seed_, current_->shot);
+  const double speed_mps = speed_after_fall_mps(scene_, hand.drop_height_m);
+  dropped.touchdown = {-speed_mps * std::sin(scene_.surface_angle_rad),
+                       -speed_mps * std::cos(scene_.surface_angle_rad), 0.0};
+  dropped.spot_m = shutter_draws_->normal(0.0, hand.spot_sd_m);
+  const double slower_mps =
+      speed_mps - std::abs(scene_.machine.speed_mps * std::sin(scene_.machine.angle_rad));
+  dropped.coefficients.e =
+      std::clamp(dropped.coefficients.e + scene_.bounce.e_slope_spm * slower_mps, 0.05, 0.99);
+  auto path = BallPath::make(scene_, dropped, model_);
+  if (!path) return;
+  const MonoTime touchdown = current_->opened + from_seconds(hand.touchdown_s);
+  const double fall_s = 2.0 * hand.drop_height_m / speed_mps;
+  current_->ball = ThrownBall{std::move(*path), touchdown, touchdown - from_seconds(fall_s)};
 }
 
 void Rig::on_trigger(MonoTime at) {
   const bool during_exposure = current_ && !known(current_->closed);
   const int shot = during_exposure ? current_->shot : exposures_ + 1;
   std::optional<ThrownBall> ball;
+  std::vector<ThrownBall> more_balls;
   int throws = 0;
   std::vector<FaultKind> occurred;
   if (shot_fault(scene_.faults, FaultKind::machine_misfire, shot)) {
@@ -222,21 +284,31 @@ void Rig::on_trigger(MonoTime at) {
     if (auto path = BallPath::make(scene_, thrown, model_, reduced_ ? &*reduced_ : nullptr)) {
       if (gate_watched_) drive_gate(*path, touchdown, at, shot);
       ball = ThrownBall{std::move(*path), touchdown};
+      if (const Fault* twice = shot_fault(scene_.faults, FaultKind::machine_double, shot)) {
+        occurred.push_back(FaultKind::machine_double);
+        throws = 2;
+        if (gate_watched_) drive_gate(ball->path, touchdown + twice->delay, at, shot);
+        more_balls.push_back({ball->path, touchdown + twice->delay});
+      }
     }
     if (shot_fault(scene_.faults, FaultKind::ball_misses, shot)) {
       occurred.push_back(FaultKind::ball_misses);
       ball.reset();
+      more_balls.clear();
     }
   }
   if (during_exposure) {
     current_->throws += throws;
-    if (!current_->ball) current_->ball = std::move(ball);
+    const bool by_hand = current_->ball && current_->ball->released != MonoTime::min();
+    if (!current_->ball || (by_hand && ball)) current_->ball = std::move(ball);
+    std::ranges::move(more_balls, std::back_inserter(current_->more_balls));
     note_faults(occurred);
   } else {
     if (known(waiting_.triggered) && at - waiting_.triggered > kBallInFlight) waiting_ = {};
     waiting_.triggered = at;
     waiting_.throws += throws;
     if (!waiting_.ball) waiting_.ball = std::move(ball);
+    std::ranges::move(more_balls, std::back_inserter(waiting_.more_balls));
     waiting_.faults.insert(waiting_.faults.end(), occurred.begin(), occurred.end());
   }
 }
@@ -249,6 +321,10 @@ void Rig::drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger,
   if (!enters_s || !leaves_s) return;
   const MonoTime rise = touchdown + from_seconds(*enters_s);
   const MonoTime fall = touchdown + from_seconds(*leaves_s);
+  if (shot_fault(scene_.faults, FaultKind::gate_dead, shot)) {
+    note_faults({FaultKind::gate_dead});
+    return;
+  }
   if (rise <= trigger) return;  // the machine stands on the plate's side of the beam
   schedule({rise, RigLine::gate, 1});
   schedule({fall, RigLine::gate, 0});

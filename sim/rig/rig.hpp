@@ -71,6 +71,9 @@ class Rig {
   void on_trigger(MonoTime at);
   FlashPlace begin_or_join_pulse(Lamp lamp, MonoTime at);
   std::optional<int> predict_place(MonoTime edge) const;
+  void drop_by_hand();
+  void sense_beside(Lamp lamp, MonoTime rise);
+  void release_shutter(MonoTime at);
   void drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger, int shot);
   MonoTime sense(Lamp lamp, MonoTime flash, const FlashPlace& place, std::vector<FaultKind>& occurred);
   bool drive_sensor(RigLine line, MonoTime rise);
@@ -81,6 +84,7 @@ class Rig {
   /// What the machine has thrown for the exposure that has not begun yet.
   struct Waiting {
     std::optional<ThrownBall> ball;
+    std::vector<ThrownBall> more_balls;
     int throws = 0;
     MonoTime triggered = kNoTime;
     std::vector<FaultKind> faults;

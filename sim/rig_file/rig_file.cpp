@@ -9,6 +9,7 @@
 
 #include "common/config/files.hpp"
 #include "sim/photograph/optics.hpp"
+#include "sim/rig/slant.hpp"
 
 namespace strobe::sim {
 namespace {
@@ -117,6 +118,22 @@ std::string analysis_table(const Scene& scene) {
          "\n";
 }
 
+/// Back to what a camera square to the plane would see; `foot`: of its axis, x to the right and y up.
+std::string rectify_entry(const CameraSettings& camera, const Eigen::Vector2d& foot, double last_row) {
+  const Slant slant(camera.swing_rad, camera.tilt_rad, camera.distance_m * camera.px_per_m);
+  Eigen::Matrix3d upright, to_foot, from_foot;
+  upright << 1, 0, 0, 0, -1, last_row, 0, 0, 1;
+  to_foot << 1, 0, -foot.x(), 0, 1, -foot.y(), 0, 0, 1;
+  from_foot << 1, 0, foot.x(), 0, 1, foot.y(), 0, 0, 1;
+  const Eigen::Matrix3d whole = from_foot * slant.undoing() * to_foot * upright;
+  std::string numbers;
+  for (int i = 0; i < 9; ++i)
+    numbers += fmt::format("{}{:.12g}", i == 0 ? "" : ", ", whole(i / 3, i % 3) / whole(2, 2));
+  return fmt::format("lens_centre_px = [{}, {}]\nlens_focal_px = 1.0\nlens_distortion = [0, 0, 0, 0]\n",
+                     number(foot.x()), number(last_row - foot.y())) +
+         line("rectify = [" + numbers + "]", "column and row to x and y");
+}
+
 /// The lens as the scene bends and places it: columns and rows to the plane of the balls, x right and y up.
 std::string lens_entries(const Scene& scene, const SensorSize& sensor) {
   const CameraSettings& camera = scene.camera;
@@ -135,6 +152,7 @@ std::string lens_entries(const Scene& scene, const SensorSize& sensor) {
         line(fmt::format("rectify = [1, 0, 0, 0, -1, {}, 0, 0, 1]", number(last_row)),
              "column and row to x and y");
   }
+  if (camera.turned()) text += rectify_entry(camera, {x, y}, sensor.height - 1.0);
   if (camera.distance_m > 0.0)
     text += line(fmt::format("viewpoint_px = [{}, {}, {}]", number(x), number(y),
                              number(camera.distance_m * camera.px_per_m)),

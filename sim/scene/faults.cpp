@@ -26,7 +26,8 @@ bool concerns_a_lamp(FaultKind kind) {
 
 bool has_delay(FaultKind kind) {
   return kind == FaultKind::flash_late || kind == FaultKind::flash_double ||
-         kind == FaultKind::sensor_bounce || kind == FaultKind::gate_chatter || kind == FaultKind::frame_late;
+         kind == FaultKind::sensor_bounce || kind == FaultKind::gate_chatter ||
+         kind == FaultKind::frame_late || kind == FaultKind::machine_double;
 }
 
 FaultKind read_kind(config::TomlTable& table) {

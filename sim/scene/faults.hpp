@@ -28,12 +28,14 @@ enum class FaultKind {
   no_photograph,    ///< the photograph is not digitized
   frame_late,       ///< the frame is sent delay_s late
   image_unseen,     ///< the tablet operator overlooks this flash's image
+  gate_dead,        ///< the gate does not see the ball
+  machine_double,   ///< the machine throws a second ball, alike, delay_us after the first
 };
 
-inline constexpr std::array<std::string_view, 15> kFaultNames{
-    "flash_late",  "flash_missing",   "flash_double",  "flash_dim",    "lamp_dead",
-    "sensor_dead", "sensor_dropout",  "sensor_bounce", "gate_chatter", "shutter_stuck",
-    "ball_misses", "machine_misfire", "no_photograph", "frame_late",   "image_unseen"};
+inline constexpr std::array<std::string_view, 17> kFaultNames{
+    "flash_late",     "flash_missing", "flash_double", "flash_dim",     "lamp_dead",     "sensor_dead",
+    "sensor_dropout", "sensor_bounce", "gate_chatter", "shutter_stuck", "ball_misses",   "machine_misfire",
+    "no_photograph",  "frame_late",    "image_unseen", "gate_dead",     "machine_double"};
 
 constexpr std::string_view name(FaultKind kind) { return kFaultNames[static_cast<std::size_t>(kind)]; }
 
@@ -46,7 +48,7 @@ struct Fault {
   std::optional<int> flash_index{};        ///< alternatively the flash's number within the exposure, 0-based
   bool lamp_a = true;                      ///< which lamp or sensor it concerns
   bool lamp_b = true;
-  Duration delay{};  ///< flash_late, flash_double, sensor_bounce, gate_chatter, frame_late
+  Duration delay{};  ///< flash_late, flash_double, sensor_bounce, gate_chatter, frame_late, machine_double
 
   bool concerns(Lamp lamp) const { return lamp == Lamp::a ? lamp_a : lamp_b; }
 };

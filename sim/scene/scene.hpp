@@ -97,6 +97,8 @@ struct SensorSettings {
   double delay_s = 0.0;  ///< flash to edge
   double jitter_s = 0.2e-6;
   double pulse_s = 100e-6;
+  /// Key crosstalk = "none" | "a" | "b" | "both": which of them sees the other lamp's flashes as well.
+  bool a_sees_b = false, b_sees_a = false;
 };
 
 /// [shutter]
@@ -104,6 +106,17 @@ struct ShutterSettings {
   double open_lag_s = 0.045;   ///< line active to open
   double close_lag_s = 0.045;  ///< line inactive to closed
   double lag_sd_s = 0.1e-3;
+  /// Key longest_open_ms 1…60,000; 0 (key absent): the line alone closes it. A camera that is not set to bulb.
+  double longest_open_s = 0.0;
+};
+
+/// [hand] A ball that a person drops onto the plate, in every exposure for which the machine throws none. Only an
+/// exposure that lasts until touchdown_s shows it.
+struct HandSettings {
+  double drop_height_m =
+      0.0;  ///< 0.01…10, of its lowest point over the plate; 0 (key absent): nobody drops one
+  double touchdown_s = 1.0;  ///< 0…60, after the shutter has opened
+  double spot_sd_m = 0.01;   ///< key spot_sd_mm 0…500
 };
 
 /// [gate]
@@ -123,8 +136,13 @@ struct CameraSettings {
   bool mirrored = false;        ///< seen from the other side: the ball travels to the left
   double distance_m = 0.0;      ///< lens to that plane; 0 (key absent): infinitely far
   double off_plane_sd_m = 0.0;  ///< key off_plane_sd_mm: how far from that plane balls fly, towards the lens
+  /// The camera turned about the middle of its view, to its right (swing_deg) and then up (tilt_deg), -30…30: lengths in
+  /// the plane then have another scale at either end of the photograph. They need a distance_m, without distortion.
+  double swing_rad = 0.0;
+  double tilt_rad = 0.0;
   double distortion = 0.0;  ///< radial: displaced by distortion·(r/half diagonal of the view)²·r, outwards
-  bool pixels = false;      ///< key rendering = "pixels" | "points": images are rendered and measured there
+  bool turned() const { return swing_rad != 0.0 || tilt_rad != 0.0; }
+  bool pixels = false;  ///< key rendering = "pixels" | "points": images are rendered and measured there
 };
 
 /// [tablet] Hand measurement of the photograph. Standard deviations of one coordinate on the object's scale.
@@ -181,6 +199,7 @@ struct Scene {
   SensorSettings sensors;
   ShutterSettings shutter;
   GateSettings gate;
+  HandSettings hand;
   CameraSettings camera;
   TabletSettings tablet;
   PhotographSettings photograph;  ///< sim/scene/photograph_settings.hpp, as the next two

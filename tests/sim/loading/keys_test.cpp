@@ -195,3 +195,28 @@ TEST(SceneKeys, SayWhatResistorsTheChipHas) {
   refuses("some.toml:11: chip.bias: must be one of set, ignored, refused",
           kSmallest + "[chip]\nbias = \"none\"\n");
 }
+
+TEST(SceneKeys, OfARigThatIsToBeCommissioned) {
+  const Scene plain = scene_of(kSmallest);
+  CHECK_FALSE(plain.camera.turned());
+  CHECK_FALSE(plain.photograph.steady);
+  const Scene scene =
+      scene_of(kSmallest +
+               "[camera]\ndistance_m = 2\nswing_deg = 3\ntilt_deg = -2\n"
+               "[sensors]\ncrosstalk = \"b\"\n[shutter]\nlongest_open_ms = 100\n"
+               "[hand]\ndrop_height_m = 1\ntouchdown_s = 0.75\nspot_sd_mm = 5\n"
+               "[photograph]\nsetup = \"steady\"\n[background]\nflashes = 166\n"
+               "[[fault]]\nkind = \"machine_double\"\ndelay_us = 8e4\n[[fault]]\nkind = \"gate_dead\"\n");
+  DOUBLES_EQUAL(3.0 * M_PI / 180.0, scene.camera.swing_rad, 1e-15);
+  DOUBLES_EQUAL(-2.0 * M_PI / 180.0, scene.camera.tilt_rad, 1e-15);
+  CHECK(scene.sensors.b_sees_a && !scene.sensors.a_sees_b);
+  DOUBLES_EQUAL(0.1, scene.shutter.longest_open_s, 1e-15);
+  DOUBLES_EQUAL(1.0, scene.hand.drop_height_m, 0.0);
+  DOUBLES_EQUAL(0.005, scene.hand.spot_sd_m, 1e-15);
+  CHECK(scene.photograph.steady);
+  LONGS_EQUAL(166, scene.background.flashes);
+  CHECK_EQUAL(milliseconds(80), scene.faults[0].delay);
+  refuses("camera.distance_m: is needed with swing_deg or tilt_deg", kSmallest + "[camera]\nswing_deg = 3\n");
+  refuses("camera.distortion: excludes swing_deg and tilt_deg",
+          kSmallest + "[camera]\ndistance_m = 2\ntilt_deg = 3\ndistortion = 0.01\n");
+}

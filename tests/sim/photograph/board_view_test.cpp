@@ -17,8 +17,11 @@ TEST_GROUP(BoardView) {
   double worst_m(const std::string& name) const {
     const auto scene = load_scene(name);
     CHECK_TRUE(scene.has_value());
-    const Optics optics(*scene);
-    const BoardView view = board_view(*scene);
+    return worst_m(*scene);
+  }
+  double worst_m(const Scene& scene) const {
+    const Optics optics(scene);
+    const BoardView view = board_view(scene);
     double worst = 0.0;
     for (const double row : {0.1, 0.5, 0.9}) {
       for (const double column : {0.1, 0.4, 0.9}) {
@@ -38,6 +41,14 @@ TEST_GROUP(BoardView) {
 TEST(BoardView, PlaneIsAsLargeAsTheScenesCameraSeesIt) {
   for (const char* name : {"zero_23", "photo_tilted", "photo_close_lens", "photo_small"})
     CHECK_TEXT(worst_m(name) < 1e-9, name);
+}
+
+TEST(BoardView, IsATurnedCamerasAsWell) {
+  auto scene = load_scene("photo_close_lens");
+  scene->camera.distortion = 0.0;
+  scene->camera.swing_rad = 0.05;
+  scene->camera.tilt_rad = -0.03;
+  CHECK(worst_m(*scene) < 1e-9);
 }
 
 TEST(BoardView, BoardIsInTheMiddleOfThePhotograph) {

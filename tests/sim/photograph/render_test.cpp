@@ -241,3 +241,36 @@ TEST(Optics, SeesPointsWhereTheCameraDoesAndFindsThemBack) {
     }
   }
 }
+
+TEST(Render, AddsTheLightOfEachFlashToASteadyBackground) {
+  Scene scene = clean_scene();
+  scene.photograph.steady = true;
+  scene.background.flashes = 100;
+  Exposure exposure = rendered_shot(scene);
+  exposure.ball.reset();
+  Exposure half = exposure;
+  for (std::size_t i = 0; i < half.pulses.size(); i += 2)
+    half.pulses[i].flashes = {}, half.pulses[i].lamps = {};
+  const auto mean = [&](const Exposure& of, int shot) {
+    const auto photograph = render(scene, of, draw_appearance(scene, 1, shot));
+    if (!photograph) FAIL(photograph.error().message.c_str());
+    return cv::mean(photograph->pixels)[0] / 65535.0 - scene.photograph.black_level;
+  };
+  // A number is within 2^-17 of the light, and the light is some .02.
+  const double share =
+      static_cast<double>(exposure.pulses.size() / 2) / static_cast<double>(exposure.pulses.size());
+  DOUBLES_EQUAL(share, mean(half, 1) / mean(exposure, 1), 1e-3);
+  DOUBLES_EQUAL(1.0, mean(exposure, 2) / mean(exposure, 1), 1e-3);
+  scene.photograph.steady = false;
+  CHECK(std::abs(mean(exposure, 2) / mean(exposure, 1) - 1.0) > 1e-3);
+}
+
+TEST(Render, ShowsTheSecondBallOfADoubleThrow) {
+  const Scene scene = clean_scene();
+  Exposure exposure = rendered_shot(scene);
+  const cv::Mat one = rendered(scene, exposure, draw_appearance(scene, 1, 1)).pixels;
+  exposure.more_balls.push_back({exposure.ball->path, exposure.ball->touchdown + milliseconds(1)});
+  const Photograph two = rendered(scene, exposure, draw_appearance(scene, 1, 1));
+  CHECK(cv::mean(two.pixels)[0] > cv::mean(one)[0]);
+  CHECK(rendered_shot(scene).pulses.size() >= two.truth.images.size());
+}

@@ -154,3 +154,19 @@ TEST(WritingARigFile, DoesNotOverwriteWhatAPersonChanged) {
   STRCMP_CONTAINS("rig.toml: is there already", refused.error().message.c_str());
   CHECK_EQUAL(changed, testing::read_text(file));
 }
+
+TEST(RigFileOfAScene, UndoesATurnedCamera) {
+  auto scene = sim::load_scene("photo_close_lens");
+  scene->camera.distortion = 0.0;
+  scene->camera.swing_rad = 0.05;
+  scene->camera.tilt_rad = -0.03;
+  const auto settings = host::digitize_settings(host_rig(*scene), sim::sensor_size(*scene).width,
+                                                sim::sensor_size(*scene).height);
+  CHECK_TEXT(settings.has_value(), settings ? "" : settings.error().message.c_str());
+  const sim::Optics optics(*scene);
+  const auto plane = [&](double column, double row) { return settings->map.to_plane({column, row}); };
+  const sim::Vec2 a = optics.plane_at(100, 200), b = optics.plane_at(1500, 900);
+  // The file's numbers have seven digits where a place is meant, twelve in the map.
+  DOUBLES_EQUAL(std::hypot(b.x - a.x, b.y - a.y) * scene->camera.px_per_m,
+                cv::norm(plane(1500, 900) - plane(100, 200)), 1e-2);
+}
