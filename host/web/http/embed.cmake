@@ -1,6 +1,6 @@
 # Writes a C++ file with the page's files: cmake -DFOLDER=… -DOUT=… -P embed.cmake
 file(GLOB_RECURSE FILES RELATIVE ${FOLDER} ${FOLDER}/*)
-list(FILTER FILES EXCLUDE REGEX "\\.md$")
+list(FILTER FILES EXCLUDE REGEX "(\\.md|package\\.json)$")
 list(SORT FILES)
 set(entries "")
 foreach(name ${FILES})

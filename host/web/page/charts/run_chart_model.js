@@ -1,0 +1,48 @@
+// What a run chart of one quantity shows: its points in the order fired, its lines, its range. Pure.
+import { rangeOf } from "./scale.js";
+
+/// A thesis row that would squeeze the points to less than a quarter of the height is told in words instead.
+const LARGEST_STRETCH = 4;
+
+/// {points: [{index, name, utc, counted, rejected, value, sd}], mean, lower, upper, thesis: {value, sd, isShown}|null, range}
+export function runChart(series, name) {
+  const points = (series.points ?? []).map((point, index) => ({
+    index,
+    name: point.name,
+    utc: point.utc,
+    counted: Boolean(point.counted),
+    rejected: point.rejected ?? null,
+    value: point.values?.[name]?.value ?? null,
+    sd: point.values?.[name]?.sd ?? null,
+  }));
+  const summary = series.summary?.quantities?.[name];
+  const mean = summary?.n ? summary.mean : null;
+  const { lower = null, upper = null } = series.limits?.[name] ?? {};
+  const own = points
+    .filter((p) => p.value !== null)
+    .flatMap((p) => [p.value - (p.sd ?? 0), p.value + (p.sd ?? 0)]);
+  const narrow = rangeOf([...own, mean, lower, upper].filter((v) => v !== null));
+  const thesis = thesisRow(series.thesis?.[name], narrow);
+  const range = thesis?.isShown
+    ? rangeOf([...narrow, thesis.value - thesis.sd, thesis.value + thesis.sd], 0.02)
+    : narrow;
+  return { points, mean, lower, upper, thesis, range };
+}
+
+function thesisRow(row, [low, high]) {
+  if (!row || !Number.isFinite(row.value)) return null;
+  const sd = row.sd ?? 0;
+  const stretched = Math.max(high, row.value + sd) - Math.min(low, row.value - sd);
+  return {
+    value: row.value,
+    sd,
+    isShown: stretched <= LARGEST_STRETCH * (high - low),
+    isAbove: row.value > high,
+  };
+}
+
+/// The point whose place is nearest to `index`, from 0; null without points.
+export function nearestPoint(points, index) {
+  if (points.length === 0) return null;
+  return points[Math.min(points.length - 1, Math.max(0, Math.round(index)))];
+}

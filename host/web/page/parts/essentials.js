@@ -1,0 +1,51 @@
+// The essential numbers of a shot, large, with the series' means beside them.
+import { condition } from "../words/shots.js";
+import { ABSENT, rounded, unitWords, valueAndSd } from "../words/numbers.js";
+import { table } from "./table.js";
+
+/// What a series' row is rounded by, as in the terminal.
+export function digitsOf(summary) {
+  return summary?.total_sd ?? (summary?.shared_sd || null) ?? summary?.standard_error ?? 0;
+}
+
+/// {mean, expanded, n} of one quantity of a series, as text.
+export function meanCells(summary) {
+  if (!summary || !summary.n) return { mean: ABSENT, expanded: "", n: "" };
+  const sd = digitsOf(summary);
+  return {
+    mean: rounded(summary.mean, sd),
+    n: String(summary.n),
+    expanded: summary.expanded_uncertainty === null ? "" : rounded(summary.expanded_uncertainty, sd),
+  };
+}
+
+/// Quantities of a person's first reading; the court pace is the ITF's for shots as it prescribes them only.
+export function essentialRows(quantities, shot) {
+  return quantities.filter(
+    (q) => q.essential || (q.name === "court_pace" && shot.readout?.court_pace_conforming),
+  );
+}
+
+export function essentialsTable(quantities, shot, summary) {
+  const rows = essentialRows(quantities, shot).map((q) => {
+    const { value, sd } = valueAndSd(shot.values?.[q.name]);
+    const { mean, expanded } = meanCells(summary?.quantities?.[q.name]);
+    return {
+      head: q.label,
+      cells: [
+        value,
+        sd && `± ${sd}`,
+        unitWords(q.unit),
+        ...(summary ? [mean, expanded && `± ${expanded}`] : []),
+      ],
+    };
+  });
+  const columns = [{ title: "" }, { title: "value" }, { title: "± sd" }, { title: "", words: true }];
+  if (summary) columns.push({ title: "series' mean" }, { title: "± 95 %" });
+  return table(
+    `Shot ${shot.name}${condition(shot) ? `, ${condition(shot)}` : ""}: value with its total standard uncertainty`,
+    columns,
+    rows,
+    { hideCaption: true, className: "essentials" },
+  );
+}

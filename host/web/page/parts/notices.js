@@ -1,0 +1,23 @@
+// Small pieces that several views use.
+import { h } from "./dom.js";
+
+export function problem(words) {
+  return h("p", { class: "problem", role: "status" }, words);
+}
+
+export function quiet(words) {
+  return h("p", { class: "quiet" }, words);
+}
+
+/// The heading of a view; gets the focus when the view is opened.
+export function viewHeading(text) {
+  return h("h1", { tabindex: "-1" }, text);
+}
+
+export function badge(level, text) {
+  return h("span", { class: `badge ${level}` }, text);
+}
+
+export function details(title, content, { open = false, id = null } = {}) {
+  return h("details", { open, id }, h("summary", {}, title), content);
+}

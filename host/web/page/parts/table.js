@@ -1,0 +1,34 @@
+// Tables: a caption, column headings with units, rows with headings of their own.
+import { h } from "./dom.js";
+
+/// columns: [{title, unit?, words?: true}]; rows: [{head, cells, class?}], head and cells are text or elements. The table scrolls
+/// sideways by itself where the screen is narrow, and can be focused for that.
+export function table(caption, columns, rows, { hideCaption = false, className = "" } = {}) {
+  const headings = columns.map(({ title, unit, words }) =>
+    h(
+      "th",
+      { scope: "col", class: words ? "words" : null },
+      title,
+      unit ? h("span", { class: "unit" }, ` ${unit}`) : null,
+    ),
+  );
+  const body = rows.map((row) =>
+    h(
+      "tr",
+      { class: row.class ?? null },
+      h("th", { scope: "row" }, row.head),
+      row.cells.map((cell, i) => h("td", { class: columns[i + 1]?.words ? "words" : null }, cell)),
+    ),
+  );
+  return h(
+    "div",
+    { class: "table-scroll", tabindex: "0", role: "region", "aria-label": caption },
+    h(
+      "table",
+      { class: className || null },
+      h("caption", { class: hideCaption ? "visually-hidden" : null }, caption),
+      h("thead", {}, h("tr", {}, headings)),
+      h("tbody", {}, body),
+    ),
+  );
+}

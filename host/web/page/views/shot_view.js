@@ -1,0 +1,218 @@
+// The last shot as it comes, or any shot of any session: photograph, numbers, what is wrong with it.
+import { getJson, path } from "../live/api.js";
+import { mountPhotograph } from "../photograph.js";
+import { fill, h } from "../parts/dom.js";
+import { essentialsTable } from "../parts/essentials.js";
+import { badge, problem, quiet, viewHeading } from "../parts/notices.js";
+import { notificationList } from "../parts/notifications.js";
+import { shotDetails } from "../parts/shot_details.js";
+import { afarButton } from "../parts/afar.js";
+import { routeTo } from "../words/routes.js";
+import { condition, digitizationWords, flagWords, verdict } from "../words/shots.js";
+import { dateAndTime } from "../words/times.js";
+import { seriesAddress } from "./series_view.js";
+
+export function shotView(main, { live, route, signal }) {
+  const [session, name] = route.parts;
+  const view = new ShotView(main, live, signal);
+  if (name !== undefined) view.pin(session, name);
+  else view.follow();
+}
+
+class ShotView {
+  constructor(main, live, signal) {
+    Object.assign(this, { live, signal, shown: null, series: null, photograph: null });
+    this.heading = viewHeading("Shot");
+    this.facts = h("p", { class: "shot-facts" });
+    this.newer = h("p", { class: "newer", role: "status" });
+    this.verdict = h("div", { class: "verdict" });
+    this.picture = h("section", { class: "picture", "aria-label": "Photograph" });
+    this.numbers = h("section", { class: "numbers", "aria-label": "Numbers" });
+    this.more = h("section", { class: "more", "aria-label": "Details" });
+    this.notes = h("section", { class: "notes", "aria-label": "Messages" });
+    fill(
+      main,
+      h("div", { class: "view-head" }, this.heading, this.facts, afarButton(signal)),
+      this.newer,
+      this.verdict,
+      h("div", { class: "shot-columns" }, this.picture, this.numbers),
+      this.more,
+      this.notes,
+    );
+    signal.addEventListener("abort", () => this.photograph?.destroy());
+    live.addEventListener("edited", ({ detail }) => this.edited(detail), { signal });
+  }
+
+  async pin(session, name) {
+    try {
+      const detail = await getJson(path("sessions", session, "shots", name), this.signal);
+      this.show({ ...detail, session, name }, detail);
+      this.series = await getJson(seriesAddress(session, detail), this.signal);
+      this.showNumbers();
+    } catch (error) {
+      if (error.name !== "AbortError")
+        fill(this.numbers, problem(`Shot ${name} of ${session}: ${error.message}.`));
+    }
+  }
+
+  follow() {
+    const { live, signal } = this;
+    const last = () => (live.state.last ? this.arrive(live.state.last) : this.showNone());
+    live.addEventListener("shot", ({ detail }) => this.arrive(detail), { signal });
+    live.addEventListener("live", last, { signal });
+    live.addEventListener("series", () => this.takeSeries(), { signal });
+    for (const kind of ["live", "notification"])
+      live.addEventListener(kind, () => this.showNotes(), { signal });
+    this.takeSeries();
+    last();
+    this.showNotes();
+  }
+
+  /// A new shot never takes the photograph away from under a hand that corrects it.
+  arrive(row) {
+    if (this.shown && this.photograph?.unsaved() && !isSame(row, this.shown)) {
+      const show = () => {
+        this.photograph.destroy();
+        this.photograph = null;
+        this.arrive(this.live.state.last);
+      };
+      fill(
+        this.newer,
+        `Shot ${row.name} has come. `,
+        h("button", { type: "button", onclick: show }, "Leave the correction and show it"),
+      );
+      return;
+    }
+    fill(this.newer);
+    this.show(row, this.shown && isSame(row, this.shown) ? this.detail : null);
+    if (row.session) this.fetchDetail(row);
+  }
+
+  async fetchDetail(row) {
+    try {
+      const detail = await getJson(path("sessions", row.session, "shots", row.name), this.signal);
+      if (isSame(row, this.shown))
+        this.show({ ...row, ...detail, session: row.session, name: row.name }, detail);
+    } catch (error) {
+      if (error.name !== "AbortError" && isSame(row, this.shown))
+        fill(this.more, problem(`Details of shot ${row.name}: ${error.message}.`));
+    }
+  }
+
+  takeSeries() {
+    this.series = this.live.state.series;
+    if (this.shown) this.showNumbers();
+  }
+
+  /// `detail`: null while it is on its way; the row's numbers are shown at once.
+  show(row, detail) {
+    const isNew = !this.shown || !isSame(row, this.shown);
+    this.shown = row;
+    this.detail = detail;
+    this.heading.textContent = `Shot ${row.name}`;
+    fill(
+      this.facts,
+      [
+        condition(row),
+        row.regime,
+        digitizationWords(row.digitization),
+        row.utc && `${dateAndTime(row.utc)} UTC`,
+      ]
+        .filter(Boolean)
+        .map((words) => h("span", {}, words)),
+    );
+    this.showVerdict();
+    this.showNumbers();
+    this.showPhotograph(isNew);
+    const open = new Set([...this.more.querySelectorAll("details[open]")].map((d) => d.id));
+    fill(this.more, detail && shotDetails(this.live.quantities, detail, open), this.links());
+  }
+
+  showVerdict() {
+    const { level, text, reason } = verdict(this.shown);
+    const flags = this.detail?.flag_words ?? (this.shown.flags ?? []).map(flagWords);
+    const words = [
+      ...new Set([this.detail?.problem, ...Object.values(flags)].filter((w) => w && w !== reason)),
+    ];
+    fill(
+      this.verdict,
+      h("p", {}, badge(level, text), reason && ` ${reason}`),
+      this.detail?.advice && h("p", { class: "advice" }, h("strong", {}, "What to do: "), this.detail.advice),
+      words.length > 0 &&
+        h(
+          "ul",
+          { class: "flags", "aria-label": "Flags" },
+          words.map((w) => h("li", {}, w)),
+        ),
+    );
+  }
+
+  showNumbers() {
+    fill(
+      this.numbers,
+      essentialsTable(this.live.quantities, this.shown, this.shown.dry ? null : this.series?.summary),
+    );
+  }
+
+  showPhotograph(isNew) {
+    if (isNew) {
+      this.photograph?.destroy();
+      this.photograph = null;
+      fill(
+        this.picture,
+        quiet(
+          this.shown.session
+            ? "The photograph is on its way."
+            : "No session is kept, so there is no photograph to show.",
+        ),
+      );
+    }
+    if (!this.detail) return;
+    if (this.photograph) return this.photograph.update(this.detail);
+    fill(this.picture);
+    this.photograph = mountPhotograph(this.picture, {
+      session: this.shown.session,
+      shot: this.shown.name,
+      detail: this.detail,
+      canEdit: Boolean(this.live.state.can?.edit),
+      onEdited: () => this.fetchDetail(this.shown),
+    });
+  }
+
+  edited({ session, shot }) {
+    if (this.shown && String(shot) === String(this.shown.name) && session === this.shown.session)
+      this.fetchDetail(this.shown);
+  }
+
+  links() {
+    const { session } = this.shown;
+    if (!session) return null;
+    return h(
+      "p",
+      { class: "links" },
+      h("a", { href: routeTo("history", [session]) }, "All shots of this session"),
+      h(
+        "a",
+        { href: routeTo("series", [session], { spin: this.shown.spin, angle: this.shown.angle_deg }) },
+        "Its series",
+      ),
+      h("a", { href: routeTo("shot", [session, this.shown.name]) }, "Link to this shot"),
+    );
+  }
+
+  showNotes() {
+    fill(this.notes, notificationList(this.live.state.notifications ?? []));
+  }
+
+  showNone() {
+    fill(this.numbers, quiet("No shot yet."));
+  }
+}
+
+function isSame(a, b) {
+  return (
+    a.session === b.session &&
+    String(a.name) === String(b.name) &&
+    (a.boot_id ?? "") === (b.boot_id ?? a.boot_id ?? "")
+  );
+}

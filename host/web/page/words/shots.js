@@ -1,0 +1,42 @@
+// Shots, series and flags in words. Pure.
+import { inWords } from "./numbers.js";
+
+/// "zero 23°", or "" where neither is known.
+export function condition(row) {
+  const angle = Number.isFinite(row?.angle_deg) ? `${row.angle_deg}°` : "";
+  return [row?.spin ?? "", angle].filter(Boolean).join(" ");
+}
+
+/// {text, level, reason}: whether the shot counts.
+export function verdict(shot) {
+  if (shot.dry) return { text: "dry", level: "plain", reason: "lamps and shutter only, nothing was thrown" };
+  if (shot.rejected) return { text: "rejected", level: "caution", reason: shot.rejected };
+  if (shot.counted === false) return { text: "not counted", level: "plain", reason: "" };
+  return { text: "counted", level: "plain", reason: "" };
+}
+
+export function flagWords(name) {
+  return name.replaceAll("_", " ");
+}
+
+const DIGITIZATIONS = {
+  auto: "measured by the program",
+  hand: "measured by hand",
+  corrected: "corrected by hand",
+};
+
+export function digitizationWords(kind) {
+  return kind ? (DIGITIZATIONS[kind] ?? kind) : "";
+}
+
+/// One sentence for a listener: "Shot 7 counted: restitution e 0.8760 ± 0.0026."
+export function announcement(shot, quantities) {
+  const { text, reason } = verdict(shot);
+  const told = ["e", "omega_lo_radps"]
+    .map((name) => quantities.find((q) => q.name === name))
+    .filter(Boolean)
+    .filter((q) => Number.isFinite(shot.values?.[q.name]?.value))
+    .map((q) => `${q.label} ${inWords(shot.values[q.name], q.unit)}`);
+  const because = reason ? `: ${reason}` : "";
+  return `Shot ${shot.name} ${text}${because}${told.length ? `. ${told.join(", ")}` : ""}.`;
+}
