@@ -117,6 +117,10 @@ Result<RigFile> read_rig(std::string_view text, const std::string& file_name) {
   rig.plan = read_plan_table(root.table("plan"), {});
   TomlTable machine = root.table("machine");
   if (const auto lag = machine.optional_number("lag_ms", {0.0, 60000.0})) rig.machine_lag_s = *lag * 1e-3;
+  if (const auto pulse = machine.optional_number("pulse_ms", {0.0, 60000.0}))
+    rig.machine_pulse_s = *pulse * 1e-3;
+  if (const auto lag = root.table("shutter").optional_number("lag_ms", {0.0, 60000.0}))
+    rig.shutter_lag_s = *lag * 1e-3;
   machine.accept_all();
   rig.limits = read_limits(root, rig.plan.even);
   accept_firmware_tables(root);

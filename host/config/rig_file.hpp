@@ -1,5 +1,5 @@
 // The host's part of the rig file: rig, lcm_url, [commands], [ball], [analysis], [camera], [record],
-// [laboratory], [report], [commission], [plan], the machine's lag, and what limits a plan. The rest is strobed's and
+// [laboratory], [report], [commission], [plan], the movers' lags, and what limits a plan. The rest is strobed's and
 // accepted unread.
 // Values; thread-safe.
 #pragma once
@@ -54,10 +54,12 @@ struct RigFile {
   Statements statements;  ///< for reports
   CommissionTable commission;
   PlanFile plan;
-  PlanLimits limits;                    ///< as far as the file names them
-  std::optional<double> machine_lag_s;  ///< trigger to touchdown
-  std::string text;                     ///< the file as it was read
-  std::string calibration_text;         ///< likewise that which camera.calibration names
+  PlanLimits limits;                      ///< as far as the file names them
+  std::optional<double> machine_lag_s;    ///< trigger to touchdown
+  std::optional<double> machine_pulse_s;  ///< of the trigger
+  std::optional<double> shutter_lag_s;    ///< line to open
+  std::string text;                       ///< the file as it was read
+  std::string calibration_text;           ///< likewise that which camera.calibration names
 };
 
 /// Fails with "FILE:LINE: table.key: what".

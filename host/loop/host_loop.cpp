@@ -120,6 +120,8 @@ void HostLoop::take_in(const strobe_msgs::frame_t& frame) {
 }
 
 void HostLoop::publish_photographs() {
+  for (const KeptPhotograph& kept : photographs_->take_kept())
+    for (HostListener* listener : listeners_) listener->on_photograph(kept);
   for (const auto& frame : photographs_->take_frames()) {
     publish(messages::Channel::frame, frame);  // first, so that a log holds what a result came from
     take_in(frame);

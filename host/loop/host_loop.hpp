@@ -45,6 +45,8 @@ class HostListener {
   virtual void on_event(const strobe_msgs::event_t&) {}
   /// Each shot's summary, as often as it comes.
   virtual void on_shot(const strobe_msgs::shot_t&) {}
+  /// A shot's photograph has been read, also a dry one's; where the session keeps it.
+  virtual void on_photograph(const KeptPhotograph&) {}
   /// A photograph that the session should have kept has not been, or a message has not been taken in; told as a
   /// notification, too.
   virtual void on_not_kept(const std::string&) {}

@@ -123,6 +123,8 @@ void PhotographPipeline::finish(PhotographResult result) {
   }
   if (!result.not_kept.empty()) not_kept_.push_back(fmt::format("{}: not kept: {}", what, result.not_kept));
   for (const std::string& remark : result.reading->remarks) notify(fmt::format("{}: {}", what, remark));
+  const bool copied = !job.keep_as.empty() && result.not_kept.empty();
+  kept_.push_back({job.shot, copied ? job.keep_as : job.file});
   if (!job.measure) return;
   strobe_msgs::frame_t frame = messages::frame_to_lcm(result.reading->frame);
   frame.boot_id = job.shot.boot_id;

@@ -27,6 +27,12 @@ struct PhotographSettings {
   double retry_timeout_s = 2.0;       ///< how long a file that cannot be read is tried again
 };
 
+/// A photograph that has been read, where the session keeps it (or where it lies, if no copies are kept).
+struct KeptPhotograph {
+  ShotKey shot;
+  std::filesystem::path file;
+};
+
 class PhotographPipeline {
  public:
   /// `clock` relates the firmware's clock to the host's; it must outlive the pipeline.
@@ -53,6 +59,8 @@ class PhotographPipeline {
   /// Frames to be published and taken in.
   std::vector<strobe_msgs::frame_t> take_frames() { return std::exchange(frames_, {}); }
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
+  /// Also those of dry shots, which nobody measures.
+  std::vector<KeptPhotograph> take_kept() { return std::exchange(kept_, {}); }
   /// Photographs that could not be kept, in words.
   std::vector<std::string> take_not_kept() { return std::exchange(not_kept_, {}); }
   void notify(std::string text) { notifications_.push_back(std::move(text)); }
@@ -83,6 +91,7 @@ class PhotographPipeline {
   std::set<std::filesystem::path> names_used_;
   RecentMap<ShotKey, strobe_msgs::frame_t> measured_{kMaxMeasured};
   std::vector<strobe_msgs::frame_t> frames_;
+  std::vector<KeptPhotograph> kept_;
   std::vector<std::string> notifications_, not_kept_;
   PhotographReader reader_;
 };

@@ -56,10 +56,27 @@ struct Situation {
   Duration patience{};         ///< for each thing that a person is to do
 };
 
+/// What a person is to do. The names are for scripts and stay.
+enum class Act {
+  none,
+  key_off,
+  key_on,
+  key_wire_off,  ///< the key's wire is pulled
+  key_wire_on,   ///< and put back
+  estop_press,
+  estop_release,
+  estop_wire_off,
+  estop_wire_on,
+};
+inline constexpr std::array<std::string_view, 9> kActNames{
+    "none",        "key_off",       "key_on",         "key_wire_off", "key_wire_on",
+    "estop_press", "estop_release", "estop_wire_off", "estop_wire_on"};
+constexpr std::string_view name(Act act) { return kActNames[static_cast<std::size_t>(act)]; }
+
 /// What a step asks for. The words are for a person.
 struct Wait {
   std::string words;    ///< for what: "turn the key on"
-  bool person = false;  ///< for a person: the time can be stretched
+  Act act = Act::none;  ///< that a person is to do: the time for it can be stretched
 };
 struct Fire {
   ShotPlan plan;

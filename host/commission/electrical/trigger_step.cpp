@@ -1,0 +1,96 @@
+#include "host/commission/electrical/trigger_step.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "host/commission/electrical/train_plan.hpp"
+
+namespace strobe::commission {
+namespace {
+
+using strobe_msgs::event_t;
+
+constexpr const char* kTriggerId = "trigger";
+constexpr int kTriggerFlashes = 20;
+/// The loop's own lateness; a pulse that the line held longer is another thing.
+constexpr double kPulseTolerance_ms = 2.0;
+
+}  // namespace
+
+const std::vector<StepInfo>& TriggerStep::infos() const {
+  static const std::vector<StepInfo> infos{
+      {kTriggerId, "the machine's trigger, without a ball", {"chip", "lines", "machine"}}};
+  return infos;
+}
+
+std::string TriggerStep::briefing(const host::RigFile&) const {
+  return "THE MACHINE'S TRIGGER IS PULSED ONCE, lamps flash, the shutter opens. Take all balls out of the "
+         "machine, "
+         "clear the lane; then power the machine, key on, e-stop released. Listen: it must click once.";
+}
+
+void TriggerStep::begin(const Situation& situation) {
+  Fire fire;
+  fire.plan = dry_train(situation.rig, Lamps::both, kTriggerFlashes);
+  fire.plan.dry = false;
+  fire.words = "the machine's trigger, once";
+  shots_ = ShotCollector({fire});
+  pulses_.clear();
+  heard_.reset();
+}
+
+void TriggerStep::on_event(const event_t& event, HostTime) {
+  if (event.kind == event_t::TRIGGER) pulses_.push_back(event);
+}
+
+Request TriggerStep::step(const Situation& situation) {
+  if (const Fire* const wanted = shots_.next()) return *wanted;
+  if (!shots_.problem().empty())
+    return Done{
+        {failed(kTriggerId, "no_shot", shots_.problem(), "mend what it names, and run the step again")}};
+  if (!heard_ && situation.attended) return Ask{"Did the machine's trigger click exactly once?"};
+  return Done{{judge(situation)}};
+}
+
+StepResult TriggerStep::judge(const Situation& situation) const {
+  const strobe_msgs::shot_t& shot = shots_.shots().back().shot;
+  int rises = 0;
+  std::int64_t on_ns = 0, off_ns = 0;
+  for (const event_t& event : pulses_) {
+    if (event.boot_id != shot.boot_id || event.shot_id != shot.shot_id) continue;
+    rises += event.level == 1;
+    (event.level == 1 ? on_ns : off_ns) = event.device_time_ns;
+  }
+  const double width_ms = 1e-6 * static_cast<double>(off_ns - on_ns);
+  const double wanted_ms = 1e3 * situation.rig.machine_pulse_s.value_or(0.0);
+  StepResult result;
+  result.id = kTriggerId;
+  if (rises != 1 || off_ns <= on_ns) {
+    result =
+        failed(kTriggerId, "trigger_line", fmt::format("the trigger's line rose {} times in the shot", rises),
+               "run `strobed --check`, and look at the session's journal");
+  } else if (std::abs(width_ms - wanted_ms) > kPulseTolerance_ms) {
+    result = failed(
+        kTriggerId, "trigger_pulse",
+        fmt::format("the trigger's pulse was {:.1f} ms long, the rig file says {:.1f}", width_ms, wanted_ms),
+        "the machine that strobed runs on is too busy: see `strobed --check`");
+  } else if (heard_ == false) {
+    result =
+        failed(kTriggerId, "no_click", "the line was pulsed once, and the machine did not click once",
+               "look at the e-stop's and the key's contacts in the machine's trigger circuit, the one-shot "
+               "and the relay");
+  } else {
+    result.state = StepState::passed;
+    result.words = fmt::format("one pulse of {:.1f} ms{}", width_ms,
+                               heard_ ? ", and one click heard" : "; no person was asked for the click");
+  }
+  result.value = width_ms;
+  result.unit = "ms";
+  result.limit = fmt::format("one pulse of {:.1f} ms", wanted_ms);
+  result.figures = {{"pulses", static_cast<double>(rises), {}, 1.0, 0},
+                    {"pulse_ms", width_ms, {}, wanted_ms, 0}};
+  return result;
+}
+
+}  // namespace strobe::commission
