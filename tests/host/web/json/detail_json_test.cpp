@@ -1,0 +1,133 @@
+#include "host/web/json/detail_json.hpp"
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/assembly/assemble.hpp"
+#include "host/web/json/advice.hpp"
+#include "tests/host/synthetic_shot.hpp"
+
+#include "tests/support/string_from.hpp"
+
+namespace {
+
+using namespace strobe;
+using nlohmann::ordered_json;
+
+host::StoredShot stored(const host_test::Scenario& scenario) {
+  const auto made = host_test::make_shot(scenario);
+  host::StoredShot shot;
+  host::RigFile rig;
+  rig.machine_lag_s = host_test::kMachineLag_s;
+  shot.rig = std::make_shared<const host::RigFile>(rig);
+  shot.name = "3";
+  shot.utc = "2026-01-31T09:30:00.000Z";
+  shot.summary = made.shot;
+  shot.result = measured_result(made.shot, made.frame, {}, assembly_settings(rig));
+  shot.digitizations.push_back({made.frame, false, shot.utc, "", {}, {}});
+  return shot;
+}
+
+const web::PhotographPlace kPhotograph{"/p", 2000, 1000};
+
+}  // namespace
+
+TEST_GROUP(DetailJson){};
+
+TEST(DetailJson, TellsOfEachImageWhereItIsAndHowWellItFits) {
+  const host::StoredShot shot = stored({});
+  const ordered_json detail = web::detail_json(shot, "today", kPhotograph);
+  const auto& frame = shot.digitizations.back().frame;
+  LONGS_EQUAL(frame.images.size(), detail["images"].size());
+  int used = 0;
+  for (std::size_t i = 0; i < frame.images.size(); ++i) {
+    const ordered_json& image = detail["images"][i];
+    DOUBLES_EQUAL(frame.images[i].centre_x_px, image["centre_px"][0].get<double>(), 1e-9);
+    DOUBLES_EQUAL(999.0 - frame.images[i].centre_y_px, image["centre_px"][1].get<double>(), 1e-9);
+    LONGS_EQUAL(i + 1, image["index"].get<int>());
+    const bool contact = image["leg"] == "contact";
+    CHECK_EQUAL(!contact, image["used"].get<bool>());
+    CHECK_EQUAL(contact, image["residual_px"].is_null());
+    CHECK_EQUAL(contact, image["why_not"].is_string());
+    if (contact) continue;
+    ++used;
+    // Noise of 0.2 mm: four sds of a point in the plane.
+    const double px_per_mm = frame.images[i].diameter_px / 65.1;
+    CHECK_TRUE(image["residual_px"].get<double>() < 4.0 * 0.2 * px_per_mm);
+    CHECK_TRUE(image["flash_index"].is_number_integer());
+  }
+  CHECK_TRUE(used >= 8);
+  CHECK_TRUE(detail["surface_px"].size() >= 2);
+  CHECK_EQUAL("/p", detail["photograph"]["url"].get<std::string>());
+  CHECK_TRUE(detail["budget"]["e"].is_array());
+  LONGS_EQUAL(shot.result.train.planned, detail["train"]["planned"].get<int>());
+  CHECK_FALSE(detail["train"]["dry"].get<bool>());
+}
+
+TEST(DetailJson, SaysWhyAnImageIsNotUsed) {
+  host::StoredShot shot = stored({});
+  auto& frame = shot.digitizations.back().frame;
+  frame.images[1].centre_y_px += 25.0;
+  shot.result = measured_result(*shot.summary, frame, {}, assembly_settings(*shot.rig));
+  CHECK_TRUE(shot.result.readout.flags.has(reduction::Flag::outlier_image));
+  const ordered_json detail = web::detail_json(shot, "today", kPhotograph);
+  CHECK_FALSE(detail["images"][1]["used"].get<bool>());
+  STRCMP_CONTAINS("left out", detail["images"][1]["why_not"].get<std::string>().c_str());
+  CHECK_TRUE(detail["images"][0]["used"].get<bool>());
+  STRCMP_CONTAINS("move or remove it by hand", detail["advice"].get<std::string>().c_str());
+  CHECK_TRUE(detail["flag_words"].size() >= 1);
+}
+
+TEST(DetailJson, OfAShotWithoutAPhotographHasNoImages) {
+  host::StoredShot shot = stored({});
+  shot.digitizations.clear();
+  shot.result = host::unmeasured_result(
+      *shot.summary,
+      [] {
+        reduction::FlagSet flags;
+        flags.set(reduction::Flag::no_photograph);
+        return flags;
+      }(),
+      "no photograph in the log");
+  const ordered_json detail = web::detail_json(shot, "today", std::nullopt);
+  LONGS_EQUAL(0, detail["images"].size());
+  CHECK_TRUE(detail["photograph"].is_null());
+  CHECK_TRUE(detail["surface_px"].is_null());
+  CHECK_EQUAL("no photograph in the log", detail["problem"].get<std::string>());
+  STRCMP_CONTAINS("camera", detail["advice"].get<std::string>().c_str());
+}
+
+TEST(DetailJson, OfAShotWhoseFlashesAreNotKnownUsesNoImage) {
+  host::StoredShot shot = stored({});
+  shot.summary.reset();
+  const ordered_json detail = web::detail_json(shot, "today", kPhotograph);
+  CHECK_TRUE(detail["images"].size() > 5);
+  for (const auto& image : detail["images"]) CHECK_FALSE(image["used"].get<bool>());
+}
+
+TEST(DetailJson, GivesAngleAndSizeAsATiltedCameraShowsThem) {
+  host::StoredShot shot = stored({});
+  host::RigFile rig = *shot.rig;
+  // column = y / 2, row = x / 2: as the corrections' test has it.
+  rig.camera.map = host::CameraMap{{}, 1.0, {}, {0.0, 2.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0}};
+  shot.rig = std::make_shared<const host::RigFile>(rig);
+  const auto& image = shot.digitizations.back().frame.images[0];
+  const ordered_json seen = web::detail_json(shot, "today", kPhotograph)["images"][0];
+  DOUBLES_EQUAL(0.5 * image.centre_y_px, seen["centre_px"][0].get<double>(), 1e-9);
+  DOUBLES_EQUAL(0.5 * image.centre_x_px, seen["centre_px"][1].get<double>(), 1e-9);
+  DOUBLES_EQUAL(0.5 * image.diameter_px, seen["diameter_px"].get<double>(), 1e-9);
+  // (cos a, sin a) in the plane is (sin a, cos a) in columns and rows: -pi/2 + a... counter-clockwise, modulo pi.
+  const double expected = std::atan2(-std::cos(image.equator_rad), std::sin(image.equator_rad));
+  DOUBLES_EQUAL(0.0, std::sin(seen["equator_rad"].get<double>() - expected), 1e-9);
+}
+
+TEST_GROUP(Advice){};
+
+TEST(Advice, IsGivenOnceForEachThingToDo) {
+  host::ShotResult result;
+  CHECK_EQUAL("", web::advice(result));
+  result.readout.flags.set(reduction::Flag::overlaps_surface);
+  result.readout.flags.set(reduction::Flag::outlier_surface_point);
+  CHECK_EQUAL("Look at the surface line: if it is wrong, give it by hand.", web::advice(result));
+}
