@@ -1,0 +1,116 @@
+// A shot's photograph with what was measured on it; by hand, if the host allows it, corrected.
+//
+//   const shown = mountPhotograph(element, { session, shot, detail, canEdit, onEdited });
+//   shown.update(detail)   the shot's detail again, after it changed
+//   shown.editing          whether it is being corrected
+//   shown.unsaved()        whether leaving would lose sight of corrections (they are kept in this tab)
+//   shown.destroy()
+import { mountEditor } from "./edit/editor.js";
+import { fill, h } from "./parts/dom.js";
+import { button } from "./photograph/controls.js";
+import { enlargement, hatchedPlaces, inTime, millimetresPerPx } from "./photograph/geometry.js";
+import { createLegend } from "./photograph/legend.js";
+import { createMarks } from "./photograph/marks.js";
+import { createPanel } from "./photograph/panel.js";
+import { createStage } from "./photograph/stage.js";
+import { createChooser } from "./photograph/chooser.js";
+import { createTools } from "./photograph/tools.js";
+
+export function mountPhotograph(element, options) {
+  if (options.detail.photograph) return new PhotographView(element, options);
+  fill(element, h("p", { class: "photograph-missing" }, "This shot has no photograph."));
+  let inner = null;
+  return {
+    update(detail) {
+      if (inner) inner.update(detail);
+      else if (detail.photograph) inner = new PhotographView(element, { ...options, detail });
+    },
+    get editing() { return inner?.editing ?? false; },
+    unsaved: () => inner?.unsaved() ?? false,
+    destroy: () => (inner ? inner.destroy() : fill(element)),
+  };
+}
+
+class PhotographView {
+  constructor(element, { session, shot, detail, canEdit, onEdited }) {
+    Object.assign(this, { element, session, shot, detail, onEdited, chosen: null, editor: null });
+    const { url, width_px: width, height_px: height } = detail.photograph;
+    this.photo = { url, width, height };
+    this.stage = createStage(this.photo, `Photograph of shot ${shot}`);
+    this.marks = createMarks(this.stage.marks, this.photo);
+    this.panel = createPanel();
+    this.legend = createLegend();
+    this.problem = h("p", { class: "photograph-problem", role: "status" });
+    this.correct = button("Correct", () => this.edit(), { name: "Correct what was measured, by hand", className: "photograph-correct" });
+    this.under = h("div", { class: "photograph-under" });
+    this.side = h("div", { class: "photograph-side" }, this.panel.element);
+    this.frame = h("div", { class: "photograph" }, h("div", { class: "photograph-main" },
+      createTools(this.stage, canEdit && this.correct), this.stage.element, this.problem, this.under, this.legend.element), this.side);
+    fill(element, h("div", { class: "photograph-room" }, this.frame));
+    this.chooser = createChooser({ stage: this.stage, marks: this.marks, items: () => this.items(), places: () => hatchedPlaces(this.detail),
+      chosen: () => this.chosen, choose: (key) => this.choose(key) });
+    this.stage.element.addEventListener("photographfailed", () => {
+      this.problem.textContent = "The photograph could not be loaded; what was measured on it is still shown.";
+    });
+    this.stage.watch((view) => this.marks.rescale(view.scale));
+    this.stage.setTool(this.chooser);
+    this.show();
+  }
+
+  get editing() { return this.editor !== null; }
+
+  items() {
+    return inTime(this.detail.images).map((position) => ({ key: `image-${position}`, image: this.detail.images[position], status: "found" }));
+  }
+
+  choose(key) {
+    this.chosen = key;
+    this.show();
+  }
+
+  show() {
+    if (this.editor) return;
+    const items = this.items();
+    const places = hatchedPlaces(this.detail);
+    const image = items.find((item) => item.key === this.chosen)?.image ?? null;
+    const place = image ? null : places.find((_, position) => `place-${position}` === this.chosen) ?? null;
+    if (!image && !place) this.chosen = null;
+    const enlarged = enlargement(this.detail.images);
+    this.stage.setFocus(image?.centre_px ?? place?.centre_px ?? null);
+    this.marks.show({ items, places, surface_px: this.detail.surface_px, selected: this.chosen, enlarged, editing: false }, this.stage.view().scale);
+    this.legend.show(enlarged);
+    this.panel.show({ image, place, mmPerPx: millimetresPerPx(this.detail), unmeasured: this.detail.unmeasured ?? [] });
+  }
+
+  edit() {
+    this.chosen = null;
+    this.frame.classList.add("is-editing");
+    this.correct.hidden = this.panel.element.hidden = true;
+    this.editor = mountEditor({ session: this.session, shot: this.shot, detail: this.detail, photo: this.photo, stage: this.stage,
+      marks: this.marks, legend: this.legend, side: this.side, under: this.under, ended: () => this.endEditing(), edited: this.onEdited });
+  }
+
+  endEditing() {
+    this.editor.destroy();
+    this.editor = null;
+    this.frame.classList.remove("is-editing");
+    this.correct.hidden = this.panel.element.hidden = false;
+    this.stage.setTool(this.chooser);
+    this.show();
+    this.correct.focus();
+  }
+
+  update(detail) {
+    this.detail = detail;
+    this.editor?.update(detail);
+    this.show();
+  }
+
+  unsaved() { return this.editor?.unsaved() ?? false; }
+
+  destroy() {
+    this.editor?.destroy();
+    this.stage.destroy();
+    fill(this.element);
+  }
+}
