@@ -40,7 +40,12 @@ export function essentialsTable(quantities, shot, summary) {
       ],
     };
   });
-  const columns = [{ title: "" }, { title: "value" }, { title: "± sd" }, { title: "", words: true }];
+  const columns = [
+    { title: "quantity", hidden: true },
+    { title: "value" },
+    { title: "± sd" },
+    { title: "unit", hidden: true, words: true },
+  ];
   if (summary) columns.push({ title: "series' mean" }, { title: "± 95 %" });
   return table(
     `Shot ${shot.name}${condition(shot) ? `, ${condition(shot)}` : ""}: value with its total standard uncertainty`,

@@ -10,8 +10,8 @@ export function summaryTable(quantities, series) {
     .filter((q) => summary.quantities?.[q.name]?.n > 0)
     .map((q) => summaryRow(q, summary.quantities[q.name], beside));
   const columns = [
-    { title: "" },
-    { title: "", words: true },
+    { title: "quantity", hidden: true },
+    { title: "unit", hidden: true, words: true },
     { title: "mean" },
     { title: "± 95 %" },
     { title: "total sd" },
@@ -74,7 +74,7 @@ export function pointsTable(quantities, series) {
   const columns = [
     { title: "shot" },
     ...quantities.map((q) => ({ title: q.label, unit: unitWords(q.unit) })),
-    { title: "", words: true },
+    { title: "counts", words: true },
   ];
   return table("All shots of the series", columns, rows, { hideCaption: true });
 }

@@ -45,9 +45,9 @@ function allNumbers(quantities, { readout, values }) {
     };
   });
   const columns = [
-    { title: "" },
+    { title: "quantity", hidden: true },
     { title: "value" },
-    { title: "", words: true },
+    { title: "unit", hidden: true, words: true },
     { title: "total sd" },
     { title: "of noise" },
     { title: "of ball and air" },
@@ -128,7 +128,15 @@ function digitizations(list) {
 /// Any object of plain values, nested ones with their names joined.
 function factsTable(caption, object) {
   const rows = entries(object).map(([name, value]) => ({ head: name.replaceAll("_", " "), cells: [value] }));
-  return table(caption, [{ title: "" }, { title: "", words: true }], rows, { hideCaption: true });
+  return table(
+    caption,
+    [
+      { title: "what", hidden: true },
+      { title: "value", hidden: true, words: true },
+    ],
+    rows,
+    { hideCaption: true },
+  );
 }
 
 function entries(object, prefix = "") {

@@ -1,14 +1,15 @@
 // Tables: a caption, column headings with units, rows with headings of their own.
 import { h } from "./dom.js";
 
-/// columns: [{title, unit?, words?: true}]; rows: [{head, cells, class?}], head and cells are text or elements. The table scrolls
-/// sideways by itself where the screen is narrow, and can be focused for that.
+/// columns: [{title, unit?, words?: true, hidden?: true}], hidden titles are for listeners only; rows: [{head, cells, class?}],
+/// head and cells are text or elements. The table scrolls sideways by itself where the screen is narrow, and can be focused
+/// for that.
 export function table(caption, columns, rows, { hideCaption = false, className = "" } = {}) {
-  const headings = columns.map(({ title, unit, words }) =>
+  const headings = columns.map(({ title, unit, words, hidden }) =>
     h(
       "th",
       { scope: "col", class: words ? "words" : null },
-      title,
+      hidden ? h("span", { class: "visually-hidden" }, title) : title,
       unit ? h("span", { class: "unit" }, ` ${unit}`) : null,
     ),
   );

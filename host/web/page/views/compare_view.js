@@ -92,12 +92,12 @@ function differencesTable(known, answer, one, other) {
   return table(
     `${one} less ${other}`,
     [
-      { title: "" },
-      { title: "", words: true },
+      { title: "quantity", hidden: true },
+      { title: "unit", hidden: true, words: true },
       { title: "difference" },
       { title: "± 95 %" },
       { title: "difference in its ± 95 %", words: true },
-      { title: "", words: true },
+      { title: "decided", hidden: true, words: true },
       { title: "total sd" },
       { title: "std error" },
       { title: "shared" },

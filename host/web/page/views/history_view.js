@@ -45,13 +45,13 @@ function sessionsTable(sessions) {
     "Sessions, newest first",
     [
       { title: "session", words: true },
-      { title: "", words: true },
+      { title: "state", hidden: true, words: true },
       { title: "begun, UTC", words: true },
       { title: "rig", words: true },
       { title: "spin, angle", words: true },
       { title: "counted" },
-      { title: "", words: true },
-      { title: "", words: true },
+      { title: "its series", hidden: true, words: true },
+      { title: "its report", hidden: true, words: true },
     ],
     rows,
     { className: "rows" },
@@ -135,10 +135,12 @@ class SessionHistory {
     this.fillScreen();
   }
 
-  /// An observer tells of a change only: a button that is still in sight is asked after anew.
+  /// Who looks for few wants them all. An observer tells of a change only: a button that is still in sight is asked after
+  /// anew.
   fillScreen() {
     this.older.hidden = !this.more;
     if (!this.more) return;
+    if (this.rows.show !== "all") return this.load();
     this.observer.unobserve(this.older);
     this.observer.observe(this.older);
   }

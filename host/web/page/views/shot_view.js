@@ -26,8 +26,8 @@ class ShotView {
     this.facts = h("p", { class: "shot-facts" });
     this.newer = h("p", { class: "newer", role: "status" });
     this.verdict = h("div", { class: "verdict" });
-    this.picture = h("section", { class: "picture", "aria-label": "Photograph" });
-    this.numbers = h("section", { class: "numbers", "aria-label": "Numbers" });
+    this.picture = h("div");
+    this.numbers = h("div");
     this.more = h("section", { class: "more", "aria-label": "Details" });
     this.notes = h("section", { class: "notes", "aria-label": "Messages" });
     fill(
@@ -35,7 +35,12 @@ class ShotView {
       h("div", { class: "view-head" }, this.heading, this.facts, afarButton(signal)),
       this.newer,
       this.verdict,
-      h("div", { class: "shot-columns" }, this.picture, this.numbers),
+      h(
+        "div",
+        { class: "shot-columns" },
+        part("Photograph", "picture", this.picture),
+        part("Numbers", "numbers", this.numbers),
+      ),
       this.more,
       this.notes,
     );
@@ -214,5 +219,14 @@ function isSame(a, b) {
     a.session === b.session &&
     String(a.name) === String(b.name) &&
     (a.boot_id ?? "") === (b.boot_id ?? a.boot_id ?? "")
+  );
+}
+
+function part(title, name, content) {
+  return h(
+    "section",
+    { class: name, "aria-label": title },
+    h("h2", { class: "visually-hidden" }, title),
+    content,
   );
 }
