@@ -87,6 +87,15 @@ function createEditor(host, { found, saved, lost }) {
     if (!model.attempting()) ask();
   }
 
+  /// A number that is being typed has its own undoing.
+  function undoKey(event) {
+    if (!(event.ctrlKey || event.metaKey) || event.target.matches("input[type=number]")) return;
+    const key = event.key.toLowerCase();
+    if (key !== "z" && key !== "y") return;
+    event.preventDefault();
+    tellStep(key === "z" && !event.shiftKey ? model.undo() : model.redo());
+  }
+
   /// What the host is asked to do; whatever it answers, the edits stay until it is done.
   async function act(doing, failing, done) {
     busy = true;
@@ -132,6 +141,8 @@ function createEditor(host, { found, saved, lost }) {
   fill(host.under, table.element);
   fill(host.element, actions.head, fields.element, actions.foot, actions.told, actions.failed, actions.keys, actions.history);
   stage.setTool(tool);
+  const undoKeys = new AbortController();
+  for (const part of [stage.element, host.element]) part.addEventListener("keydown", undoKey, { signal: undoKeys.signal });
   requests.quantities().then((list) => {
     quantities = list;
     asked = null;
@@ -146,6 +157,7 @@ function createEditor(host, { found, saved, lost }) {
     destroy() {
       preview.forget();
       handles.destroy();
+      undoKeys.abort();
     },
   };
 }

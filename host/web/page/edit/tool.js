@@ -107,17 +107,8 @@ export function createTool({ model, stage, marks, escaped }) {
     return Boolean(done);
   }
 
-  function undoKey(event) {
-    if (!(event.ctrlKey || event.metaKey)) return false;
-    const key = event.key.toLowerCase();
-    if (key === "z" && !event.shiftKey) model.undo();
-    else if (key === "y" || key === "z") model.redo();
-    else return false;
-    return true;
-  }
 
   function key(event) {
-    if (undoKey(event)) return true;
     if (event.ctrlKey || event.metaKey || event.altKey) return false;
     const focused = marks.keyOf(event.target);
     if (event.key === "Escape") return escaped();

@@ -6,7 +6,7 @@ import { fitView, isFit, panBy, pinch, resized, reveal, toPhoto, toScreen, width
 
 const stepZoom = 1.25;
 const stepPan_px = 60;
-const clickSlack_px = 5;
+const clickSlack_px = { mouse: 2, pen: 4, touch: 8 };
 
 /**
  * photo: {url, width, height}. tool: {begin(at, event) -> drag or null, click(at, event) -> taken, key(event) -> taken},
@@ -118,7 +118,7 @@ export function createStage(photo, name) {
     if (pointers.size === 2) {
       show(pinch(view, before, [...pointers.values()], photo, size));
     } else if (drag) {
-      if (!start.moved && Math.hypot(at[0] - start.at[0], at[1] - start.at[1]) < clickSlack_px) return;
+      if (!start.moved && Math.hypot(at[0] - start.at[0], at[1] - start.at[1]) < (clickSlack_px[event.pointerType] ?? 4)) return;
       start.moved = true;
       drag.move(at, event);
     }
