@@ -13,11 +13,36 @@ import { createUndo } from "../../../host/web/page/edit/undo.js";
 
 const found = {
   images: [
-    { centre_px: [100, 200], diameter_px: 60, equator_rad: 0.5, equator_sd_rad: 0.01, flash_index: 0, leg: "incoming", source: "auto" },
-    { centre_px: [140.25, 230.5], diameter_px: 62, equator_rad: null, flash_index: 1, leg: "incoming", source: "auto" },
-    { centre_px: [180, 200], diameter_px: 61, equator_rad: 1, flash_index: 2, leg: "rebound", source: "auto" },
+    {
+      centre_px: [100, 200],
+      diameter_px: 60,
+      equator_rad: 0.5,
+      equator_sd_rad: 0.01,
+      flash_index: 0,
+      leg: "incoming",
+      source: "auto",
+    },
+    {
+      centre_px: [140.25, 230.5],
+      diameter_px: 62,
+      equator_rad: null,
+      flash_index: 1,
+      leg: "incoming",
+      source: "auto",
+    },
+    {
+      centre_px: [180, 200],
+      diameter_px: 61,
+      equator_rad: 1,
+      flash_index: 2,
+      leg: "rebound",
+      source: "auto",
+    },
   ],
-  surface_px: [[0, 300], [400, 304]],
+  surface_px: [
+    [0, 300],
+    [400, 304],
+  ],
 };
 const photo = { width: 400, height: 400 };
 const modelOf = (changed = () => {}) => createModel({ found, photo, changed });
@@ -27,8 +52,13 @@ test("the text says what was done to each image, in px of the photograph, in the
   edits = state.measure(edits, "found-0", { centre: [101.23456, 199], diameter_px: 60.5, equator_deg: -30 });
   edits = state.measure(edits, "found-1", { no_equator: true, leg: "contact" });
   edits = state.add(edits, [250, 120.5], 61).edits;
-  edits = state.setSurface(edits, [[10, 301], [390, 303.5]]);
-  assert.equal(correctionsText(found, edits), `[[remove]]
+  edits = state.setSurface(edits, [
+    [10, 301],
+    [390, 303.5],
+  ]);
+  assert.equal(
+    correctionsText(found, edits),
+    `[[remove]]
 at_image_px = [180.0, 200.0]
 
 [[move]]
@@ -49,23 +79,39 @@ diameter_image_px = 61.0
 [surface]
 left_image_px = [10.0, 301.0]
 right_image_px = [390.0, 303.5]
-`);
+`,
+  );
   assert.equal(correctionsText(found, state.noEdits), "");
 });
 
 test("the host's list of corrections becomes edits, and those again the same text", () => {
   const list = [
     { kind: "remove", at_px: [181, 202] },
-    { kind: "move", at_px: [99, 201], centre_px: [102, 200], centre_sd_px: 0.2, top_px: [102, 170], time_s: 0.0031 },
+    {
+      kind: "move",
+      at_px: [99, 201],
+      centre_px: [102, 200],
+      centre_sd_px: 0.2,
+      top_px: [102, 170],
+      time_s: 0.0031,
+    },
     { kind: "add", centre_px: [300, 100], diameter_px: 60, contact_width_px: 12 },
     { kind: "surface", left_px: [0, 300], right_px: [400, 300], sd_px: 0.5 },
   ];
   const { edits, lost } = editsFromList(found, list);
   assert.deepEqual(lost, []);
   assert.deepEqual(edits.removed, [2]);
-  assert.deepEqual(edits.changed, { 0: { centre: [102, 200], centre_sd_px: 0.2, top: [102, 170], time_s: 0.0031 } });
+  assert.deepEqual(edits.changed, {
+    0: { centre: [102, 200], centre_sd_px: 0.2, top: [102, 170], time_s: 0.0031 },
+  });
   const text = correctionsText(found, edits);
-  for (const line of ["centre_sd_px = 0.2", "top_image_px = [102.0, 170.0]", "time_s = 0.0031", "contact_width_px = 12.0", "sd_px = 0.5"])
+  for (const line of [
+    "centre_sd_px = 0.2",
+    "top_image_px = [102.0, 170.0]",
+    "time_s = 0.0031",
+    "contact_width_px = 12.0",
+    "sd_px = 0.5",
+  ])
     assert.ok(text.split("\n").includes(line), line);
 });
 
@@ -100,7 +146,11 @@ test("edits never change: what was is still there", () => {
 test("a removed image that is put back is as it was found", () => {
   const edits = state.remove(state.measure(state.noEdits, "found-1", { centre: [1, 2] }), "found-1");
   assert.equal(state.itemsOf(found, edits)[1].status, "removed");
-  assert.deepEqual(state.itemsOf(found, state.restore(edits, "found-1"))[1], { key: "found-1", image: found.images[1], status: "found" });
+  assert.deepEqual(state.itemsOf(found, state.restore(edits, "found-1"))[1], {
+    key: "found-1",
+    image: found.images[1],
+    status: "found",
+  });
 });
 
 test("steps go back and forth; a new one after going back drops what was ahead", () => {
@@ -137,7 +187,9 @@ test("a key that is held makes one step with its first press, and the next press
 
 test("a drag is seen at once, is one step when it ends, and none when it is given up", () => {
   let changes = 0;
-  const model = modelOf(() => { changes += 1; });
+  const model = modelOf(() => {
+    changes += 1;
+  });
   model.select("found-0");
   model.attempt({ centre: [110, 200] });
   model.attempt({ centre: [120, 200] });
@@ -189,8 +241,10 @@ test("the rim's handle sets the diameter, the equator's its angle, the middle's 
 
 test("what the host makes of corrected images is laid onto them, each once", () => {
   const items = state.itemsOf(found, state.remove(state.add(state.noEdits, [300, 100], 60).edits, "found-1"));
-  const judged = [{ centre_px: [300.2, 100], flash_index: 5, leg: "rebound", used: true, source: "hand" },
-    { centre_px: [100, 200], flash_index: 1, leg: "incoming", used: false, why_not: "why", source: "auto" }];
+  const judged = [
+    { centre_px: [300.2, 100], flash_index: 5, leg: "rebound", used: true, source: "hand" },
+    { centre_px: [100, 200], flash_index: 1, leg: "incoming", used: false, why_not: "why", source: "auto" },
+  ];
   const [first, removed, far, added] = withJudgement(items, judged);
   assert.equal(first.image.flash_index, 1);
   assert.equal(first.image.why_not, "why");
@@ -223,9 +277,27 @@ function slowHost() {
 function newestOnly(host) {
   const told = [];
   let due = null;
-  const preview = createNewestOnly({ ask: (text) => host.ask(text), answered: (answer, text) => told.push([text, answer]),
-    failed: (error, text) => told.push([text, error.message]), later: (f) => { due = f; return 1; }, never: () => { due = null; } });
-  return { preview, told, moment: () => { const f = due; due = null; f?.(); } };
+  const preview = createNewestOnly({
+    ask: (text) => host.ask(text),
+    answered: (answer, text) => told.push([text, answer]),
+    failed: (error, text) => told.push([text, error.message]),
+    later: (f) => {
+      due = f;
+      return 1;
+    },
+    never: () => {
+      due = null;
+    },
+  });
+  return {
+    preview,
+    told,
+    moment: () => {
+      const f = due;
+      due = null;
+      f?.();
+    },
+  };
 }
 
 test("many changes in a moment are one question, the newest", async () => {
@@ -267,7 +339,20 @@ test("differences are told in sds of the value before, large ones as large", () 
   assert.equal(changeWords({ value: 10, sd: 0.5 }, { value: 10, sd: 0.5 }), "none");
   assert.equal(changeWords({ value: null, sd: null }, { value: 3, sd: 1 }), "new");
   assert.equal(changeWords({ value: 3, sd: 1 }, { value: null, sd: null }), "lost");
-  const quantities = [{ name: "e", label: "restitution e", unit: "", essential: true }, { name: "x", label: "x", unit: "m", essential: false }];
-  assert.deepEqual(comparisonRows(quantities, { e: { value: 0.876, sd: 0.0026 } }, { e: { value: 0.8773, sd: 0.0026 } }),
-    [{ label: "restitution e", essential: true, before: "0.8760 ± 0.0026", after: "0.8773 ± 0.0026", change: "+0.50 sd" }]);
+  const quantities = [
+    { name: "e", label: "restitution e", unit: "", essential: true },
+    { name: "x", label: "x", unit: "m", essential: false },
+  ];
+  assert.deepEqual(
+    comparisonRows(quantities, { e: { value: 0.876, sd: 0.0026 } }, { e: { value: 0.8773, sd: 0.0026 } }),
+    [
+      {
+        label: "restitution e",
+        essential: true,
+        before: "0.8760 ± 0.0026",
+        after: "0.8773 ± 0.0026",
+        change: "+0.50 sd",
+      },
+    ],
+  );
 });

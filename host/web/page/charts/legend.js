@@ -8,7 +8,10 @@ const MARKS = [
   ],
   ["rejected", () => svg("path", { class: "crosses", d: "M8 6l8 8m0 -8l-8 8" })],
   ["mean", () => svg("path", { class: "mean", d: "M1 10H23" })],
-  ["limits", () => svg("path", { class: "limit", d: "M1 10H23" })],
+  [
+    "limits of single shots (3 sd, from their moving range)",
+    () => svg("path", { class: "limit", d: "M1 10H23" }),
+  ],
   [
     "thesis ± sd",
     () => [

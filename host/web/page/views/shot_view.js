@@ -142,13 +142,13 @@ class ShotView {
     fill(
       this.verdict,
       h("p", {}, badge(level, text), reason && ` ${reason}`),
-      this.detail?.advice && h("p", { class: "advice" }, h("strong", {}, "What to do: "), this.detail.advice),
       words.length > 0 &&
         h(
           "ul",
           { class: "flags", "aria-label": "Flags" },
           words.map((w) => h("li", {}, w)),
         ),
+      this.detail?.advice && h("p", { class: "advice" }, h("strong", {}, "What to do: "), this.detail.advice),
     );
   }
 
