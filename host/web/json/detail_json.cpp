@@ -139,6 +139,7 @@ ordered_json detail_json(const StoredShot& shot, const std::string& session_id,
         images_json(shot.summary ? &*shot.summary : nullptr, frame, host::assembly_settings(*shot.rig), map);
     object["surface_px"] = surface_json(frame, map);
   }
+  object["ball_diameter_m"] = shot.rig->ball.diameter_m;
   object["surface_by_hand"] = kept.is_object() && kept.value("surface_source", ordered_json()) == "hand";
   object["digitizations"] = digitizations_json(shot);
   object["corrections"] = corrections_json(shot);

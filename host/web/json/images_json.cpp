@@ -100,6 +100,15 @@ std::optional<double> centre_sd(const BallImage& image, const reduction::Frame& 
   return std::sqrt(std::max({0.0, (*image.centre_cov_px2)[0], (*image.centre_cov_px2)[3]}));
 }
 
+/// Of column and row, row-major.
+ordered_json covariance_json(const BallImage& image, const PlaneMap& map, cv::Point2d at) {
+  if (!image.centre_cov_px2) return nullptr;
+  const auto& c = *image.centre_cov_px2;
+  const cv::Matx22d to_image = map.jacobian(at).inv();
+  const cv::Matx22d seen = to_image * cv::Matx22d(c[0], c[1], c[2], c[3]) * to_image.t();
+  return {seen(0, 0), seen(0, 1), seen(1, 0), seen(1, 1)};
+}
+
 ordered_json image_json(std::size_t number, const BallImage& image, const reduction::Frame& frame,
                         const Judged& judged, const PlaneMap& map) {
   const cv::Point2d at = map.to_image({image.centre_px.x, image.centre_px.y});
@@ -128,6 +137,7 @@ ordered_json image_json(std::size_t number, const BallImage& image, const reduct
   json["residual_px"] = scaled(judged.residual_px);
   json["diameter_used"] = judged.diameter_used;
   json["equator_used"] = judged.equator_used;
+  json["centre_cov_px2"] = covariance_json(image, map, at);
   return json;
 }
 

@@ -97,7 +97,7 @@ test("what gets the focus is brought into sight, and what is in sight stays wher
 
 test("a covariance's ellipse has its standard deviations as half axes", () => {
   near(Object.values(geometry.uncertaintyOf({ centre_cov_px2: [[4, 0], [0, 1]] })), [2, 1, 0]);
-  const turned = geometry.uncertaintyOf({ centre_cov_px2: [2.5, 1.5, 1.5, 2.5] });
+  const turned = geometry.uncertaintyOf({ centre_cov_px2: [2.5, -1.5, -1.5, 2.5] });
   near([turned.major, turned.minor, turned.angleRad], [2, 1, Math.PI / 4]);
   assert.deepEqual(geometry.uncertaintyOf({ centre_sd_px: 0.3 }), { major: 0.3, minor: 0.3, angleRad: 0 });
   assert.equal(geometry.uncertaintyOf({ centre_sd_px: null }), null);

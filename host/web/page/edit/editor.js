@@ -84,7 +84,9 @@ function createEditor(host, { found, saved, lost }) {
 
   function changed() {
     draw();
-    if (!model.attempting()) ask();
+    if (model.attempting()) return;
+    actions.tell("");
+    ask();
   }
 
   /// A number that is being typed has its own undoing.
@@ -146,7 +148,7 @@ function createEditor(host, { found, saved, lost }) {
   requests.quantities().then((list) => {
     quantities = list;
     asked = null;
-    changed();
+    ask();
   }, (error) => table.fail(`The readout's names are missing: ${error.message}`));
   changed();
   if (draft) actions.tell("Corrections that were not saved are here again.");

@@ -1,10 +1,12 @@
 // Geometry of what is drawn on a photograph: column and row from the top; angles counter-clockwise as seen. Pure.
 
-/// {major, minor, angleRad} of the centre's standard deviations in px; null where they are not known.
+/// {major, minor, angleRad} of the centre's standard deviations in px; null where they are not known. Its covariance is that
+/// of column and row, row-major.
 export function uncertaintyOf(image) {
   const covariance = image.centre_cov_px2;
   if (covariance) {
-    const [xx, xy, , yy] = covariance.flat();
+    const [xx, down, , yy] = covariance.flat();
+    const xy = -down;  // rows count downwards
     const middle = (xx + yy) / 2;
     const spread = Math.hypot((xx - yy) / 2, xy);
     return {

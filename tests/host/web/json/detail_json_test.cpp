@@ -94,6 +94,7 @@ TEST(DetailJson, OfAShotWithoutAPhotographHasNoImages) {
   LONGS_EQUAL(0, detail["images"].size());
   CHECK_TRUE(detail["photograph"].is_null());
   CHECK_TRUE(detail["surface_px"].is_null());
+  DOUBLES_EQUAL(0.0651, detail["ball_diameter_m"].get<double>(), 0.0);
   CHECK_EQUAL("no photograph in the log", detail["problem"].get<std::string>());
   STRCMP_CONTAINS("camera", detail["advice"].get<std::string>().c_str());
 }
@@ -112,7 +113,10 @@ TEST(DetailJson, GivesAngleAndSizeAsATiltedCameraShowsThem) {
   // column = y / 2, row = x / 2: as the corrections' test has it.
   rig.camera.map = host::CameraMap{{}, 1.0, {}, {0.0, 2.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0}};
   shot.rig = std::make_shared<const host::RigFile>(rig);
-  const auto& image = shot.digitizations.back().frame.images[0];
+  auto& image = shot.digitizations.back().frame.images[0];
+  image.centre_xx_px2 = 0.04;
+  image.centre_xy_px2 = 0.01;
+  image.centre_yy_px2 = 0.16;
   const ordered_json seen = web::detail_json(shot, "today", kPhotograph)["images"][0];
   DOUBLES_EQUAL(0.5 * image.centre_y_px, seen["centre_px"][0].get<double>(), 1e-9);
   DOUBLES_EQUAL(0.5 * image.centre_x_px, seen["centre_px"][1].get<double>(), 1e-9);
@@ -120,6 +124,10 @@ TEST(DetailJson, GivesAngleAndSizeAsATiltedCameraShowsThem) {
   // (cos a, sin a) in the plane is (sin a, cos a) in columns and rows: -pi/2 + a... counter-clockwise, modulo pi.
   const double expected = std::atan2(-std::cos(image.equator_rad), std::sin(image.equator_rad));
   DOUBLES_EQUAL(0.0, std::sin(seen["equator_rad"].get<double>() - expected), 1e-9);
+  // Columns are half of y: a quarter of its variance.
+  const double expected_px2[] = {0.04, 0.0025, 0.0025, 0.01};
+  for (std::size_t i = 0; i < 4; ++i)
+    DOUBLES_EQUAL(expected_px2[i], seen["centre_cov_px2"][i].get<double>(), 1e-12);
 }
 
 TEST_GROUP(Advice){};
