@@ -38,6 +38,7 @@ document.querySelector(".skip").addEventListener("click", (event) => {
 addEventListener("hashchange", () => show(true));
 live.addEventListener("live", () => show(false), { once: true });
 live.addEventListener("shot", ({ detail }) => announce(announcement(detail, live.quantities)));
+for (const kind of ["live", "status"]) live.addEventListener(kind, showTitle);
 live.start();
 
 function showTabs() {
@@ -45,6 +46,13 @@ function showTabs() {
     h("li", {}, h("a", { href: routeTo(name), "data-view": name }, title)),
   );
   fill(document.getElementById("tabs"), h("ul", {}, links), themeChoice());
+}
+
+/// The name of the window, seen also where another one is in front.
+function showTitle() {
+  const { title } = VIEWS.find(({ name }) => name === parseRoute(location.hash).view);
+  const danger = live.status?.danger ? "DANGER – " : "";
+  document.title = `${danger}${title} – ${live.state?.rig || "strobe"}`;
 }
 
 /// A view is a function of (element, {live, route, signal}); it undoes what it set up when the signal is aborted.
@@ -59,7 +67,7 @@ function show(moved) {
     if (link.dataset.view === route.view) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");
   }
-  document.title = `${VIEWS.find((v) => v.name === route.view).title} – ${live.state.rig || "strobe"}`;
+  showTitle();
   OPEN[route.view](main, { live, route, signal: leave.signal });
   if (!moved) return;
   scrollTo(0, 0);

@@ -26,6 +26,10 @@ export function essentialRows(quantities, shot) {
   );
 }
 
+export function hasNumbers(shot) {
+  return Object.values(shot.values ?? {}).some((number) => Number.isFinite(number?.value));
+}
+
 export function essentialsTable(quantities, shot, summary) {
   const rows = essentialRows(quantities, shot).map((q) => {
     const { value, sd } = valueAndSd(shot.values?.[q.name]);

@@ -50,8 +50,9 @@ export class RigBar {
     this.tellMissing(words);
     setText(this.activity, status?.activity ?? "");
     this.updateCautions(cautions(status));
-    this.stop.hidden = !state?.can?.stop;
-    this.disarm.hidden = !state?.can?.disarm;
+    const can = { ...state?.can, ...status?.can };
+    this.stop.hidden = !can.stop;
+    this.disarm.hidden = !can.disarm;
   }
 
   /// Once for each reason, not for each second that it lasts.

@@ -10,7 +10,7 @@ export function shotDetails(quantities, detail, isOpen) {
   return [
     part("all-numbers", "All numbers", detail.readout && allNumbers(quantities, detail)),
     part("budget", "Uncertainty budget", detail.budget && budgets(quantities, detail)),
-    part("train", "Flash train", detail.train && factsTable("Flash train", detail.train)),
+    part("train", "Flash train", detail.train && trainTable(detail.train)),
     part(
       "digitizations",
       "Digitizations",
@@ -123,6 +123,10 @@ function digitizations(list) {
       h("li", {}, `${kinds[kind] ?? kind}${who ? `, ${who}` : ""}${utc ? `, ${dateAndTime(utc)} UTC` : ""}`),
     ),
   );
+}
+
+export function trainTable(train) {
+  return factsTable("Flash train", train);
 }
 
 /// Any object of plain values, nested ones with their names joined.

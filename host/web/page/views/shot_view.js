@@ -2,15 +2,17 @@
 import { getJson, path } from "../live/api.js";
 import { mountPhotograph } from "../photograph.js";
 import { fill, h } from "../parts/dom.js";
-import { essentialsTable } from "../parts/essentials.js";
+import { essentialsTable, hasNumbers } from "../parts/essentials.js";
 import { badge, problem, quiet, viewHeading } from "../parts/notices.js";
 import { notificationList } from "../parts/notifications.js";
-import { shotDetails } from "../parts/shot_details.js";
+import { shotDetails, trainTable } from "../parts/shot_details.js";
 import { afarButton } from "../parts/afar.js";
 import { routeTo } from "../words/routes.js";
 import { condition, digitizationWords, flagWords, verdict } from "../words/shots.js";
 import { dateAndTime } from "../words/times.js";
 import { seriesAddress } from "./series_view.js";
+
+const RETRY_DELAYS_MS = [200, 500, 1000, 2000];
 
 export function shotView(main, { live, route, signal }) {
   const [session, name] = route.parts;
@@ -93,14 +95,17 @@ class ShotView {
     if (row.session) this.fetchDetail(row);
   }
 
-  async fetchDetail(row) {
+  /// What the host has just told may take it a moment to keep.
+  async fetchDetail(row, attempt = 0) {
     try {
       const detail = await getJson(path("sessions", row.session, "shots", row.name), this.signal);
       if (isSame(row, this.shown))
         this.show({ ...row, ...detail, session: row.session, name: row.name }, detail);
     } catch (error) {
-      if (error.name !== "AbortError" && isSame(row, this.shown))
-        fill(this.more, problem(`Details of shot ${row.name}: ${error.message}.`));
+      if (error.name === "AbortError" || !isSame(row, this.shown)) return;
+      if (attempt < RETRY_DELAYS_MS.length)
+        setTimeout(() => this.fetchDetail(row, attempt + 1), RETRY_DELAYS_MS[attempt]);
+      else fill(this.more, problem(`Details of shot ${row.name}: ${error.message}.`));
     }
   }
 
@@ -152,11 +157,15 @@ class ShotView {
     );
   }
 
+  /// A shot without any number is told by its flashes: a dry one, or one that failed.
   showNumbers() {
-    fill(
-      this.numbers,
-      essentialsTable(this.live.quantities, this.shown, this.shown.dry ? null : this.series?.summary),
-    );
+    const { shown, detail, series } = this;
+    if (hasNumbers(shown))
+      return fill(this.numbers, essentialsTable(this.live.quantities, shown, series?.summary));
+    const words = shown.dry
+      ? "A dry shot: its flashes are its result."
+      : "Nothing could be measured of this shot.";
+    return fill(this.numbers, quiet(words), detail?.train && trainTable(detail.train));
   }
 
   showPhotograph(isNew) {
