@@ -2,14 +2,16 @@
 // By keyboard it is a slider over the shots; what is under the pointer or chosen by arrow keys is told in words.
 import { fill, h, svg } from "../parts/dom.js";
 import { fixed, inWords, unitWords } from "../words/numbers.js";
+import { meanCells } from "../words/series.js";
 import { nearestPoint, runChart } from "./run_chart_model.js";
-import { linear, roundTicks } from "./scale.js";
+import { linear, roundStep, roundTicks } from "./scale.js";
 
 const HEIGHT = 200,
   LEFT = 62,
-  RIGHT = 10,
+  RIGHT = 18,
   TOP = 8,
   BOTTOM = 22;
+const MANY = 120; // shots, whose marks are small
 
 /// openShot(name) is called for a shot that is clicked, or chosen and confirmed with Enter.
 export class RunChart {
@@ -42,6 +44,7 @@ export class RunChart {
 
   update(series) {
     this.model = runChart(series, this.quantity.name);
+    this.mean = meanCells(series.summary?.quantities?.[this.quantity.name]);
     if (this.chosen) this.chosen = this.model.points[this.chosen.index] ?? null;
     if (this.width) this.draw(this.width);
   }
@@ -65,8 +68,8 @@ export class RunChart {
         },
         this.thesisBand(),
         this.axes(width),
-        this.lines(width),
         this.marks(),
+        this.lines(width),
         this.mark,
       ),
     );
@@ -81,9 +84,9 @@ export class RunChart {
       svg("path", { class: "grid", d: `M${LEFT} ${this.y(tick)}H${width - RIGHT}` }),
       svg("text", { x: LEFT - 6, y: this.y(tick) + 4, "text-anchor": "end" }, fixed(tick, decimals)),
     ]);
-    const every = Math.max(1, Math.ceil(points.length / Math.max(2, (width - LEFT) / 60)));
+    const every = Math.max(1, roundStep(0, Math.max(points.length, 2), Math.max(2, (width - LEFT) / 60)));
     const names = points
-      .filter((p) => p.index % every === 0)
+      .filter((p) => (p.index + 1) % every === 0 || (p.index === 0 && every > 1))
       .map((p) =>
         svg("text", { x: this.x(p.index), y: HEIGHT - 6, "text-anchor": "middle" }, String(p.name).slice(-6)),
       );
@@ -135,7 +138,7 @@ export class RunChart {
       .join("");
     return [
       svg("path", { class: "bars", d: bars }),
-      svg("path", { class: "dots", d: dots }),
+      svg("path", { class: shown.length > MANY ? "dots many" : "dots", d: dots }),
       svg("path", { class: "crosses", d: crosses + bottom }),
     ];
   }
@@ -150,14 +153,17 @@ export class RunChart {
   }
 
   summary() {
-    const { mean, thesis, points } = this.model;
+    const { thesis, points } = this.model;
     if (points.length === 0) return "no shot yet";
-    const unit = unitWords(this.quantity.unit);
-    const decimals = roundTicks(...this.model.range).decimals + 1;
-    const words = mean === null ? ["no mean yet"] : [`mean ${fixed(mean, decimals)} ${unit}`.trim()];
+    const { mean, expanded } = this.mean;
+    const words = [
+      [`mean ${mean}`, expanded && `± ${expanded}`, unitWords(this.quantity.unit), expanded && "(95 %)"]
+        .filter(Boolean)
+        .join(" "),
+    ];
     if (thesis) {
       const where = thesis.isShown ? "" : `, off the chart ${thesis.isAbove ? "above" : "below"}`;
-      words.push(`thesis ${inWords(thesis, this.quantity.unit)}${where}`);
+      words.push(`thesis ${inWords(thesis, "")}${where}`);
     }
     return words.join("; ");
   }

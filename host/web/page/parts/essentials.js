@@ -1,23 +1,8 @@
 // The essential numbers of a shot, large, with the series' means beside them.
 import { condition } from "../words/shots.js";
-import { ABSENT, rounded, unitWords, valueAndSd } from "../words/numbers.js";
+import { unitWords, valueAndSd } from "../words/numbers.js";
+import { meanCells } from "../words/series.js";
 import { table } from "./table.js";
-
-/// What a series' row is rounded by, as in the terminal.
-export function digitsOf(summary) {
-  return summary?.total_sd ?? (summary?.shared_sd || null) ?? summary?.standard_error ?? 0;
-}
-
-/// {mean, expanded, n} of one quantity of a series, as text.
-export function meanCells(summary) {
-  if (!summary || !summary.n) return { mean: ABSENT, expanded: "", n: "" };
-  const sd = digitsOf(summary);
-  return {
-    mean: rounded(summary.mean, sd),
-    n: String(summary.n),
-    expanded: summary.expanded_uncertainty === null ? "" : rounded(summary.expanded_uncertainty, sd),
-  };
-}
 
 /// Quantities of a person's first reading; the court pace is the ITF's for shots as it prescribes them only.
 export function essentialRows(quantities, shot) {

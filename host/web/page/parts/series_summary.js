@@ -1,7 +1,7 @@
 // A series' table: mean, what it is uncertain by and from what, the thesis's row beside it.
-import { digitsOf } from "./essentials.js";
 import { table } from "./table.js";
-import { ABSENT, count, fixed, rounded, signed, unitWords } from "../words/numbers.js";
+import { ABSENT, fixed, rounded, signed, unitWords } from "../words/numbers.js";
+import { digitsOf, shotsWords } from "../words/series.js";
 
 export function summaryTable(quantities, series) {
   const { summary } = series;
@@ -44,19 +44,6 @@ function thesisCells(row, mean) {
   if (!row || !Number.isFinite(row.value)) return ["", "", ""];
   const off = Number.isFinite(mean) && row.sd > 0 ? signed((mean - row.value) / row.sd, 1) : "";
   return [fixed(row.value, 2), `± ${fixed(row.sd, 2)}`, off];
-}
-
-export function shotsWords(summary) {
-  const rejected = summary.rejected > 0 ? `, ${summary.rejected} rejected` : "";
-  return `${count(summary.counted ?? 0, "shot")} counted${rejected}`;
-}
-
-/// ["shot 4 stands apart in vx touchdown: +3.1 sd of the others; it counts"]
-export function outlierWords(quantities, summary) {
-  return (summary.outliers ?? []).map(({ shot, quantity, sds }) => {
-    const label = quantities.find((q) => q.name === quantity)?.label ?? quantity;
-    return `shot ${shot} stands apart in ${label}: ${signed(sds, 1)} sd of the others; it counts (Grubbs's test)`;
-  });
 }
 
 export function pointsTable(quantities, series) {

@@ -54,7 +54,7 @@ function allNumbers(quantities, { readout, values }) {
     { title: "95 %" },
   ];
   const ratio = Number.isFinite(readout.residual_ratio)
-    ? quiet(`Residuals are ${significant(readout.residual_ratio)} times the stated noise.`)
+    ? quiet(`Residuals are ${significant(readout.residual_ratio, 3)} times the stated noise.`)
     : null;
   return [
     table("All numbers of the shot with their uncertainties", columns, rows, { hideCaption: true }),

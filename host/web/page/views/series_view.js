@@ -4,8 +4,9 @@ import { drawAtWidth, RunChart } from "../charts/run_chart.js";
 import { legend } from "../charts/legend.js";
 import { fill, h } from "../parts/dom.js";
 import { details, problem, quiet, viewHeading } from "../parts/notices.js";
-import { outlierWords, pointsTable, summaryTable } from "../parts/series_summary.js";
+import { pointsTable, summaryTable } from "../parts/series_summary.js";
 import { routeTo } from "../words/routes.js";
+import { outlierWords } from "../words/series.js";
 import { condition } from "../words/shots.js";
 
 export function seriesAddress(session, { spin, angle_deg }) {
