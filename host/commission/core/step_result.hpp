@@ -63,4 +63,11 @@ inline StepResult failed(std::string id, std::string fault, std::string words, s
   return result;
 }
 
+/// Of a result whose words say what was found.
+inline void mark_failed(StepResult& result, std::string fault, std::string advice) {
+  result.state = StepState::failed;
+  result.fault = std::move(fault);
+  result.advice = std::move(advice);
+}
+
 }  // namespace strobe::commission
