@@ -15,6 +15,7 @@ import { createPanel } from "./photograph/panel.js";
 import { createStage } from "./photograph/stage.js";
 import { createChooser } from "./photograph/chooser.js";
 import { createTools } from "./photograph/tools.js";
+import { createUnmeasured } from "./photograph/unmeasured.js";
 
 export function mountPhotograph(element, options) {
   if (options.detail.photograph) return new PhotographView(element, options);
@@ -43,11 +44,12 @@ class PhotographView {
     this.problem = h("p", { class: "photograph-problem", role: "status" });
     this.correct = button("Correct", () => this.edit(), { name: "Correct what was measured, by hand", className: "photograph-correct" });
     this.under = h("div", { class: "photograph-under" });
+    this.unmeasured = createUnmeasured({ session, shot, changed: () => this.show() });
     this.side = h("div", { class: "photograph-side" }, this.panel.element);
     this.frame = h("div", { class: "photograph" }, h("div", { class: "photograph-main" },
-      createTools(this.stage, canEdit && this.correct), this.stage.element, this.problem, this.under, this.legend.element), this.side);
+      createTools(this.stage, this.unmeasured.button, canEdit && this.correct), this.stage.element, this.problem, this.under, this.legend.element), this.side);
     fill(element, h("div", { class: "photograph-room" }, this.frame));
-    this.chooser = createChooser({ stage: this.stage, marks: this.marks, items: () => this.items(), places: () => hatchedPlaces(this.detail),
+    this.chooser = createChooser({ stage: this.stage, marks: this.marks, items: () => this.items(), places: () => this.places(),
       chosen: () => this.chosen, choose: (key) => this.choose(key) });
     this.stage.element.addEventListener("photographfailed", () => {
       this.problem.textContent = "The photograph could not be loaded; what was measured on it is still shown.";
@@ -63,6 +65,15 @@ class PhotographView {
     return inTime(this.detail.images).map((position) => ({ key: `image-${position}`, image: this.detail.images[position], status: "found" }));
   }
 
+  /// As the shot's detail tells, or as they were asked for.
+  unmeasuredPlaces() {
+    return this.detail.unmeasured ?? this.unmeasured.places();
+  }
+
+  places() {
+    return hatchedPlaces({ images: this.detail.images, unmeasured: this.unmeasuredPlaces() });
+  }
+
   choose(key) {
     this.chosen = key;
     this.show();
@@ -71,7 +82,8 @@ class PhotographView {
   show() {
     if (this.editor) return;
     const items = this.items();
-    const places = hatchedPlaces(this.detail);
+    const places = this.places();
+    this.unmeasured.offer(!this.detail.unmeasured);
     const image = items.find((item) => item.key === this.chosen)?.image ?? null;
     const place = image ? null : places.find((_, position) => `place-${position}` === this.chosen) ?? null;
     if (!image && !place) this.chosen = null;
@@ -79,13 +91,14 @@ class PhotographView {
     this.stage.setFocus(image?.centre_px ?? place?.centre_px ?? null);
     this.marks.show({ items, places, surface_px: this.detail.surface_px, selected: this.chosen, enlarged, editing: false }, this.stage.view().scale);
     this.legend.show(enlarged);
-    this.panel.show({ image, place, mmPerPx: millimetresPerPx(this.detail), unmeasured: this.detail.unmeasured ?? [] });
+    this.panel.show({ image, place, mmPerPx: millimetresPerPx(this.detail), unmeasured: this.unmeasuredPlaces() });
   }
 
   edit() {
     this.chosen = null;
     this.frame.classList.add("is-editing");
     this.correct.hidden = this.panel.element.hidden = true;
+    this.unmeasured.offer(false);
     this.editor = mountEditor({ session: this.session, shot: this.shot, detail: this.detail, photo: this.photo, stage: this.stage,
       marks: this.marks, legend: this.legend, side: this.side, under: this.under, ended: () => this.endEditing(), edited: this.onEdited });
   }

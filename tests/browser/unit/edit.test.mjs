@@ -6,7 +6,7 @@ import { withJudgement } from "../../../host/web/page/edit/judgement.js";
 import { createModel } from "../../../host/web/page/edit/model.js";
 import { createNewestOnly } from "../../../host/web/page/edit/preview.js";
 import * as state from "../../../host/web/page/edit/state.js";
-import { changeWords, comparisonRows } from "../../../host/web/page/edit/comparison.js";
+import { changeWords, comparisonRows, verdictWords } from "../../../host/web/page/edit/comparison.js";
 import { correctionsText, editsFromList } from "../../../host/web/page/edit/toml.js";
 import { dragged, handlesOf } from "../../../host/web/page/edit/tool.js";
 import { createUndo } from "../../../host/web/page/edit/undo.js";
@@ -355,4 +355,12 @@ test("differences are told in sds of the value before, large ones as large", () 
       },
     ],
   );
+});
+
+test("it is told when corrections make a shot count, or no longer", () => {
+  assert.equal(verdictWords({ before: null, after: null }), "");
+  assert.equal(verdictWords(undefined), "");
+  assert.equal(verdictWords({ before: "few images", after: null }), "With these corrections the shot counts; before it was rejected: few images.");
+  assert.equal(verdictWords({ before: null, after: "few images" }), "With these corrections the shot is rejected: few images.");
+  assert.match(verdictWords({ before: "a", after: "b" }), /still rejected: b/);
 });

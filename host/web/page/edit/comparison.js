@@ -24,3 +24,10 @@ export function comparisonRows(quantities, before, after) {
     .map(({ name, label, unit, essential }) => ({ label, essential, before: inWords(before?.[name], unit), after: inWords(after?.[name], unit),
       change: changeWords(before?.[name], after?.[name]) }));
 }
+
+/// Whether the shot counts, where corrections change that or it does not. rejected: {before, after}, words or null.
+export function verdictWords(rejected) {
+  const { before = null, after = null } = rejected ?? {};
+  if (after) return before ? `The shot is still rejected: ${after}.` : `With these corrections the shot is rejected: ${after}.`;
+  return before ? `With these corrections the shot counts; before it was rejected: ${before}.` : "";
+}

@@ -46,7 +46,7 @@ function createEditor(host, { found, saved, lost }) {
     ask: requests.preview,
     busy: (whether) => table.tell(whether ? "Measuring …" : ""),
     answered(answer) {
-      judged = answer.problem ? judged : answer.images;
+      judged = answer.images ?? judged;
       table.show(answer, quantities);
       draw();
     },
@@ -70,7 +70,7 @@ function createEditor(host, { found, saved, lost }) {
     const images = items.map((item) => item.image);
     const enlarged = enlargement(found.images);
     stage.setFocus(model.selectedItem()?.image.centre_px ?? null);
-    marks.show({ items: inTime(images).map((position) => items[position]), places: hatchedPlaces(host.detail()), surface_px: model.surface_px(), editing: true,
+    marks.show({ items: inTime(images).map((position) => items[position]), places: hatchedPlaces({ images: found.images, unmeasured: found.unmeasured ?? host.detail().unmeasured }), surface_px: model.surface_px(), editing: true,
       selected: model.selectedItem()?.key ?? null, enlarged }, stage.view().scale);
     legend.show(enlarged);
     handles.draw();

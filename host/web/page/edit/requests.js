@@ -4,7 +4,7 @@ import { getJson, path, postJson } from "../live/api.js";
 export function createRequests(session, shot) {
   const at = (name) => path("sessions", session, "shots", shot, name);
   return {
-    /// {found: {images, surface_px}, corrections: [...]}: what the digitizer found, and the corrections that count.
+    /// {found: {images, surface_px, unmeasured}, corrections: [...]}: what the digitizer found, and the corrections that count.
     corrections: () => getJson(at("corrections")),
     preview: (text) => postJson(at("preview"), { corrections: text }),
     save: (text) => postJson(at("corrections"), { corrections: text }),

@@ -1,6 +1,6 @@
 // The table of what corrections change, and what is told of a preview that is under way or failed.
 import { h } from "../parts/dom.js";
-import { comparisonRows } from "./comparison.js";
+import { comparisonRows, verdictWords } from "./comparison.js";
 
 function bodyOf(rows) {
   return rows.map(({ label, before, after, change }) => h("tr", { class: change.endsWith("large") ? "is-large" : null },
@@ -16,12 +16,13 @@ function emptyTable(caption) {
 export function createTable() {
   const essentials = emptyTable("The readout, before and after");
   const others = emptyTable("Its other numbers");
-  const rest = h("details", {}, h("summary", {}, "All numbers"), h("div", { class: "edit-wide", tabindex: "0" }, others.element));
+  const rest = h("details", {}, h("summary", {}, "All numbers"), h("div", { class: "edit-wide", tabindex: "0", role: "group", "aria-label": "All numbers, before and after" }, others.element));
   const note = h("p", { class: "edit-note" }, "A change of one sd is as large as the value before was uncertain.");
   const state = h("p", { class: "edit-state", role: "status" });
+  const verdict = h("p", { class: "edit-verdict" });
   const problem = h("p", { class: "edit-problem", role: "alert" });
   const wide = h("div", { class: "edit-wide", tabindex: "0", role: "group", "aria-label": "The readout, before and after" }, essentials.element);
-  const element = h("section", { class: "edit-comparison", "aria-label": "What the corrections change" }, state, problem, wide, rest, note);
+  const element = h("section", { class: "edit-comparison", "aria-label": "What the corrections change" }, state, problem, verdict, wide, rest, note);
 
   function showTables(whether) {
     for (const part of [wide, rest, note]) part.hidden = !whether;
@@ -29,17 +30,20 @@ export function createTable() {
   showTables(false);
   return {
     element,
-    show({ before, after, problem: words }, quantities) {
+    /// answer: of a preview. Without numbers after the corrections those of the last ones stay, with what is wrong.
+    show({ before, after, rejected, problem: words }, quantities) {
+      problem.textContent = words ?? "";
+      verdict.textContent = after ? verdictWords(rejected) : "";
+      if (!after) return;
       const rows = comparisonRows(quantities, before, after);
       essentials.body.replaceChildren(...bodyOf(rows.filter((row) => row.essential)));
       others.body.replaceChildren(...bodyOf(rows.filter((row) => !row.essential)));
-      problem.textContent = words ?? "";
       showTables(rows.length > 0);
     },
     tell: (words) => { state.textContent = words; },
     fail: (words) => { problem.textContent = words; },
     clear() {
-      problem.textContent = "";
+      problem.textContent = verdict.textContent = "";
       showTables(false);
     },
   };
