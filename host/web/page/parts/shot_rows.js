@@ -11,7 +11,7 @@ const SHOWN = ["vx_td_mps", "vx_lo_mps", "omega_lo_radps", "e", "mu"];
 
 export class ShotRows {
   constructor(session, quantities, show) {
-    Object.assign(this, { session, show, shown: 0, rows: [] });
+    Object.assign(this, { session, show, shots: new Map() });
     this.quantities = SHOWN.map((name) => quantities.find((q) => q.name === name)).filter(Boolean);
     this.body = h("tbody");
     const heading = (title, unit, words) =>
@@ -48,32 +48,43 @@ export class ShotRows {
   }
 
   append(shots) {
-    this.rows.push(...shots);
-    this.body.append(...this.wanted(shots).map((shot) => this.row(shot)));
+    const fresh = shots.filter((shot) => !this.shots.has(String(shot.name)));
+    this.body.append(...fresh.map((shot) => this.add(shot)).filter(Boolean));
   }
 
+  /// A shot that is there already is shown anew in its place.
   prepend(shot) {
-    this.rows.unshift(shot);
-    this.body.prepend(...this.wanted([shot]).map((s) => this.row(s)));
+    const known = this.shots.get(String(shot.name));
+    const row = this.add(shot);
+    if (known?.row) return row ? known.row.replaceWith(row) : known.row.remove();
+    if (!known) this.shots = new Map([[String(shot.name), { shot, row }], ...this.shots]);
+    if (row) this.body.prepend(row);
   }
 
   clear() {
-    this.rows = [];
-    this.filter(this.show);
+    this.shots.clear();
+    this.body.replaceChildren();
   }
 
   filter(show) {
     this.show = show;
-    this.shown = 0;
-    this.body.replaceChildren(...this.wanted(this.rows).map((shot) => this.row(shot)));
+    this.body.replaceChildren(...[...this.shots.values()].map(({ shot }) => this.add(shot)).filter(Boolean));
   }
 
-  wanted(shots) {
-    const chosen = shots.filter(
-      (shot) => this.show === "all" || (this.show === "rejected") === !shot.counted,
-    );
-    this.shown += chosen.length;
-    return chosen;
+  get read() {
+    return this.shots.size;
+  }
+
+  get shown() {
+    return this.body.rows.length;
+  }
+
+  /// The row, or null where the shot is not wanted.
+  add(shot) {
+    const wanted = this.show === "all" || (this.show === "rejected") === !shot.counted;
+    const row = wanted ? this.row(shot) : null;
+    this.shots.set(String(shot.name), { shot, row });
+    return row;
   }
 
   row(shot) {

@@ -61,7 +61,7 @@ function sessionsTable(sessions) {
 /// Pages are fetched as one scrolls, or all where a filter looks for few.
 class SessionHistory {
   constructor(main, live, session, show, signal) {
-    Object.assign(this, { session, signal, more: true, loading: false, oldest: null, read: 0 });
+    Object.assign(this, { session, signal, more: true, loading: false, oldest: null });
     this.rows = new ShotRows(session, live.quantities, show);
     this.note = h("p", { class: "quiet", role: "status" });
     this.older = h("button", { type: "button", onclick: () => this.load() }, `Show ${PAGE} older`);
@@ -88,7 +88,10 @@ class SessionHistory {
     live.addEventListener("shot", ({ detail }) => detail.session === session && this.arrive(detail), {
       signal,
     });
-    live.addEventListener("edited", ({ detail }) => detail.session === session && this.reload(), { signal });
+    live.addEventListener("edited", ({ detail }) => detail.session === session && this.edited(detail.shot), {
+      signal,
+    });
+    live.addEventListener("live", () => live.session === session && this.reload(), { signal });
     this.observer = observer;
     this.load();
   }
@@ -124,7 +127,6 @@ class SessionHistory {
       const { shots, more } = await getJson(address, this.signal);
       this.more = more && shots.length > 0;
       this.oldest = shots.at(-1)?.name ?? this.oldest;
-      this.read += shots.length;
       this.rows.append(shots);
       this.tell();
     } catch (error) {
@@ -145,23 +147,29 @@ class SessionHistory {
     this.observer.observe(this.older);
   }
 
-  async reload() {
-    Object.assign(this, { more: true, oldest: null, read: 0 });
+  /// After a time without the host nobody knows what came meanwhile.
+  reload() {
+    if (this.loading) return;
+    Object.assign(this, { more: true, oldest: null });
     this.rows.clear();
     this.load();
   }
 
+  async edited(name) {
+    const shot = await getJson(path("sessions", this.session, "shots", name), this.signal).catch(() => null);
+    if (shot) this.arrive({ ...shot, name });
+  }
+
   arrive(shot) {
-    this.read += 1;
     this.rows.prepend(shot);
     this.tell();
   }
 
   tell() {
-    const shown = this.rows.shown;
-    const of = shown === this.read ? "" : ` of ${this.read} read`;
+    const { shown, read } = this.rows;
+    const of = shown === read ? "" : ` of ${read} read`;
     this.note.textContent =
-      this.read === 0 && !this.more
+      read === 0 && !this.more
         ? "No shot yet."
         : `${count(shown, "shot")}${of}${this.more ? ", older ones follow" : ", that is all"}.`;
   }
