@@ -5,6 +5,7 @@
 //   shown.editing          whether it is being corrected
 //   shown.unsaved()        whether leaving would lose sight of corrections (they are kept in this tab)
 //   shown.destroy()
+import { hasDraft } from "./edit/draft.js";
 import { mountEditor } from "./edit/editor.js";
 import { fill, h } from "./parts/dom.js";
 import { button } from "./photograph/controls.js";
@@ -56,6 +57,7 @@ class PhotographView {
     });
     this.stage.watch((view) => this.marks.rescale(view.scale));
     this.stage.setTool(this.chooser);
+    if (canEdit && hasDraft(session, shot)) this.problem.textContent = "Corrections of this shot are not saved yet: they are there under Correct.";
     this.show();
   }
 
@@ -96,6 +98,7 @@ class PhotographView {
 
   edit() {
     this.chosen = null;
+    this.problem.textContent = "";
     this.frame.classList.add("is-editing");
     this.correct.hidden = this.panel.element.hidden = true;
     this.unmeasured.offer(false);

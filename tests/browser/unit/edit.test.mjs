@@ -8,7 +8,7 @@ import { createNewestOnly } from "../../../host/web/page/edit/preview.js";
 import * as state from "../../../host/web/page/edit/state.js";
 import { changeWords, comparisonRows, verdictWords } from "../../../host/web/page/edit/comparison.js";
 import { correctionsText, editsFromList } from "../../../host/web/page/edit/toml.js";
-import { dragged, handlesOf } from "../../../host/web/page/edit/tool.js";
+import { createTool, dragged, handlesOf } from "../../../host/web/page/edit/tool.js";
 import { createUndo } from "../../../host/web/page/edit/undo.js";
 
 const found = {
@@ -363,4 +363,48 @@ test("it is told when corrections make a shot count, or no longer", () => {
   assert.equal(verdictWords({ before: "few images", after: null }), "With these corrections the shot counts; before it was rejected: few images.");
   assert.equal(verdictWords({ before: null, after: "few images" }), "With these corrections the shot is rejected: few images.");
   assert.match(verdictWords({ before: "a", after: "b" }), /still rejected: b/);
+});
+
+/// Keys on an image that is chosen and has the focus.
+function keyed() {
+  const model = modelOf();
+  model.select("found-0");
+  const stage = { view: () => ({ scale: 1, x: 0, y: 0 }), photoPoint: (at) => at, middle: () => [200, 150] };
+  const marks = { keyOf: (target) => target, focus() {} };
+  const tool = createTool({ model, stage, marks, escaped: () => true });
+  const press = (key, more = {}) => tool.key({ key, target: model.selectedItem()?.key ?? null, ...more });
+  return { model, press, image: () => model.selectedItem().image };
+}
+
+test("arrows move by a tenth of a px, with Shift by one, up being up on the screen", () => {
+  const { press, image } = keyed();
+  press("ArrowRight");
+  press("ArrowUp", { shiftKey: true });
+  const [column, row] = image().centre_px;
+  assert.ok(Math.abs(column - 100.1) < 1e-9 && Math.abs(row - 199) < 1e-9);
+});
+
+test("brackets change the diameter, points the equator, n says that none is seen, Delete removes", () => {
+  const { model, press, image } = keyed();
+  press("]");
+  press("}");
+  assert.ok(Math.abs(image().diameter_px - 61.1) < 1e-9);
+  press(".");
+  press("<");
+  assert.ok(Math.abs(image().equator_rad * 180 / Math.PI - (0.5 * 180 / Math.PI - 0.9)) < 1e-9);
+  press("n");
+  assert.equal(image().equator_rad, null);
+  press("Delete");
+  assert.equal(model.selectedItem().status, "removed");
+});
+
+test("a goes on to add, Enter adds in the middle of the view, and keys without a chosen image are the view's", () => {
+  const { model, press } = keyed();
+  press("a");
+  assert.ok(model.adding());
+  assert.equal(press("Enter"), true);
+  assert.deepEqual(model.selectedItem().image.centre_px, [200, 150]);
+  model.select(null);
+  assert.equal(press("ArrowLeft"), false);
+  assert.equal(press("+"), false);
 });

@@ -14,6 +14,15 @@ export function keepDraft(session, shot, found, edits) {
   }
 }
 
+/// Whether there are any, whatever they refer to.
+export function hasDraft(session, shot) {
+  try {
+    return sessionStorage.getItem(nameOf(session, shot)) !== null;
+  } catch {
+    return false;
+  }
+}
+
 export function readDraft(session, shot, found) {
   try {
     const draft = JSON.parse(sessionStorage.getItem(nameOf(session, shot)) ?? "null");
