@@ -360,8 +360,14 @@ test("differences are told in sds of the value before, large ones as large", () 
 test("it is told when corrections make a shot count, or no longer", () => {
   assert.equal(verdictWords({ before: null, after: null }), "");
   assert.equal(verdictWords(undefined), "");
-  assert.equal(verdictWords({ before: "few images", after: null }), "With these corrections the shot counts; before it was rejected: few images.");
-  assert.equal(verdictWords({ before: null, after: "few images" }), "With these corrections the shot is rejected: few images.");
+  assert.equal(
+    verdictWords({ before: "few images", after: null }),
+    "With these corrections the shot counts; before it was rejected: few images.",
+  );
+  assert.equal(
+    verdictWords({ before: null, after: "few images" }),
+    "With these corrections the shot is rejected: few images.",
+  );
   assert.match(verdictWords({ before: "a", after: "b" }), /still rejected: b/);
 });
 
