@@ -51,6 +51,7 @@ int run(int argc, char** argv) {
   strobe::host::add_thesis_command(app, exit_status);
   strobe::host::add_bounces_command(app, exit_status);
   strobe::host::add_calibrate_command(app, exit_status);
+  strobe::host::add_commission_command(app, exit_status);
   strobe::host::add_batch_command(app, exit_status);
   strobe::host::add_export_command(app, exit_status);
   strobe::host::add_key_command(app, exit_status);

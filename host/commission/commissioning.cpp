@@ -213,6 +213,7 @@ void Commissioning::deliver() {
   const Duration longest = from_seconds(settings_.rig.analysis.photograph_timeout_s) + kReading;
   if (wanted_.photograph && photograph == nullptr && loop_.now() - result_at_ < longest) return;
   phase_ = Phase::running;
+  delivered_.put(key, true);
   const auto* const shot = shots_.find(key);
   if (shot == nullptr) return work_[current_].step->on_no_shot(result_->problem);
   FiredShot fired{*shot, std::move(*result_), std::nullopt};
@@ -273,11 +274,17 @@ void Commissioning::on_event(const strobe_msgs::event_t& event) {
 }
 
 void Commissioning::on_shot(const strobe_msgs::shot_t& shot) {
-  if (shot.host_id == loop_.settings().host_id) shots_.put({shot.boot_id, shot.shot_id}, shot);
+  const ShotKey key{shot.boot_id, shot.shot_id};
+  if (shot.host_id != loop_.settings().host_id || shots_.find(key) != nullptr) return;
+  shots_.put(key, shot);
+  if (phase_ != Phase::firing || wanted_.readout || result_) return;
+  result_ = host::unmeasured_result(shot, {}, "");
+  result_at_ = loop_.now();
 }
 
 void Commissioning::on_shot_result(const host::ShotResult& result) {
   if (phase_ != Phase::firing || result.host_id != loop_.settings().host_id || result_) return;
+  if (delivered_.find({result.boot_id, result.shot_id}) != nullptr) return;  // of a shot before
   series_->on_shot_result(result);
   static_cast<void>(series_->take_notifications());
   result_ = result;

@@ -133,6 +133,7 @@ class Commissioning final : public host::HostListener {
   std::optional<host::ShotResult> result_;
   HostTime result_at_;
   RecentMap<ShotKey, strobe_msgs::shot_t> shots_{16};
+  RecentMap<ShotKey, bool> delivered_{64};
   RecentMap<ShotKey, std::filesystem::path> photographs_{64};
 };
 

@@ -82,6 +82,7 @@ struct Fire {
   ShotPlan plan;
   std::string words;        ///< "lamp A flashes 100 times"
   bool photograph = false;  ///< the shot is complete once its photograph is here, or will not come
+  bool readout = true;      ///< and once it has been measured; false: its summary is all that is waited for
 };
 struct Ask {
   std::string question;  ///< that yes or no answers

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -71,23 +72,68 @@ struct Series {
   }
 };
 
+/// The line changed some time in the call that set it: the delay lies between those from its end and from its begin.
+struct Delay {
+  double call_us = 0.0, from_end_us = 0.0;
+};
+
+struct Delays {
+  int count = 0;
+  double mean_us = 0.0;
+  double half_width_us = 0.0;  ///< of what the calls leave open
+  double mean_sd_us = 0.0;     ///< of what differs from flash to flash
+  double margin_us = 0.0;      ///< how far chance moves the mean
+  double jitter_us = 0.0, least_jitter_us = 0.0;
+  double sd_us() const { return std::hypot(mean_sd_us, half_width_us / std::sqrt(3.0)); }
+};
+
+/// By the shortest calls, as they tell most: those of up to twice the shortest one and 1 us, ten at least.
+Delays delays_of(std::vector<Delay> delays) {
+  Delays found;
+  found.count = static_cast<int>(delays.size());
+  if (delays.size() < 2) return found;
+  Series from_end, from_start, mean, call;
+  for (const Delay& delay : delays) {
+    from_end.values.add(delay.from_end_us);
+    from_start.values.add(delay.from_end_us + delay.call_us);
+  }
+  std::ranges::sort(delays, {}, &Delay::call_us);
+  const double longest_us = 2.0 * delays.front().call_us + 1.0;
+  for (const Delay& delay : delays) {
+    if (mean.count() >= 10 && delay.call_us > longest_us) break;
+    mean.values.add(delay.from_end_us + 0.5 * delay.call_us);
+    call.values.add(delay.call_us);
+  }
+  const Series& steadier = from_end.sd() < from_start.sd() ? from_end : from_start;
+  found.mean_us = mean.mean();
+  found.half_width_us = 0.5 * call.mean();
+  found.mean_sd_us = mean.mean_sd();
+  found.margin_us = mean.mean_margin();
+  found.jitter_us = steadier.sd();
+  found.least_jitter_us = steadier.least_sd();
+  return found;
+}
+
 struct Tally {
   int planned = 0, own = 0, other = 0, extra = 0, late = 0;
-  Series delays;
+  Delays delays;
 };
 
 Tally tally_of(const shot_t& shot, const Names& names) {
   Tally tally;
+  std::vector<Delay> delays;
   for (const flash_t& flash : shot.flashes) {
     ++tally.planned;
     tally.extra += flash.extra_edges;
     tally.other += seen(flash, names.other_seen);
     if (!seen(flash, names.own_seen)) continue;
     ++tally.own;
-    const double delay = delay_us(flash, names.own_seen);
-    tally.late += delay - names.expected_us > shot.late_tolerance_us;
-    if (flash.extra_edges == 0) tally.delays.values.add(delay);
+    const Delay delay{to_microseconds(from_ns(flash.issue_end_ns) - from_ns(flash.issue_start_ns)),
+                      delay_us(flash, names.own_seen)};
+    tally.late += delay.from_end_us - names.expected_us > shot.late_tolerance_us;
+    if (flash.extra_edges == 0) delays.push_back(delay);
   }
+  tally.delays = delays_of(std::move(delays));
   return tally;
 }
 
@@ -128,48 +174,49 @@ std::optional<StepResult> light_fault(const std::string& id, const Names& names,
 
 std::optional<StepResult> timing_fault(const std::string& id, const Names& names, const Tally& tally,
                                        const host::CommissionTable& limits) {
-  const Series& delays = tally.delays;
+  const Delays& delays = tally.delays;
   if (tally.late > 0)
     return failed(
         id, "late_flashes",
         fmt::format("{} of {} flashes of lamp {} came late after their pulse", tally.late, tally.planned,
                     names.own),
         "the lamp's trigger input or its one-shot delays some pulses: look at it with an oscilloscope");
-  if (delays.least_sd() > limits.jitter_limit_us)
-    return failed(id, "jitter",
-                  fmt::format("lamp {} flashes {:.1f} ± {:.1f} us after its pulse: it jitters", names.own,
-                              delays.mean(), delays.sd()),
-                  "look for noise on the lamp's trigger and the sensor's threshold");
-  if (std::abs(delays.mean() - names.expected_us) > limits.delay_tolerance_us + delays.mean_margin()) {
+  if (delays.least_jitter_us > limits.jitter_limit_us)
+    return failed(
+        id, "jitter",
+        fmt::format("lamp {} jitters by {:.1f} us (sd) from flash to flash", names.own, delays.jitter_us),
+        "look for noise on the lamp's trigger and the sensor's threshold");
+  const double off_us = std::abs(delays.mean_us - names.expected_us);
+  if (off_us > limits.delay_tolerance_us + delays.half_width_us + delays.margin_us) {
     const char letter = names.own == 'A' ? 'a' : 'b';
     return failed(id, "delay_off",
-                  fmt::format("lamp {} flashes {:.1f} us after its pulse, the rig file says {:.1f}",
-                              names.own, delays.mean(), names.expected_us),
+                  fmt::format("lamp {} flashes {:.1f} ± {:.1f} us after its pulse, the rig file says {:.1f}",
+                              names.own, delays.mean_us, delays.sd_us(), names.expected_us),
                   fmt::format("if lamp and sensor are what they should be, write delay_{}_us = {:.1f} into "
                               "[lamps] and start strobed anew",
-                              letter, delays.mean()));
+                              letter, delays.mean_us));
   }
   return std::nullopt;
 }
 
 StepResult with_numbers(StepResult result, const Names& names, const Tally& tally,
                         const host::CommissionTable& limits) {
-  const Series& delays = tally.delays;
+  const Delays& delays = tally.delays;
   result.limit = fmt::format("{:.1f} ± {:.1f} us, jitter at most {:.1f} us, each flash seen once",
                              names.expected_us, limits.delay_tolerance_us, limits.jitter_limit_us);
   const std::string letter = names.own == 'A' ? "a" : "b";
-  result.figures = {
-      {"flashes", static_cast<double>(tally.planned), {}, {}, 0},
-      {"seen_by_own_sensor", static_cast<double>(tally.own), {}, static_cast<double>(tally.planned), 0},
-      {"seen_by_other_sensor", static_cast<double>(tally.other), {}, 0.0, 0},
-      {"extra_edges", static_cast<double>(tally.extra), {}, 0.0, 0}};
-  if (delays.count() < 2) return result;
-  result.value = delays.mean();
-  result.sd = delays.mean_sd();
+  const double planned = tally.planned;
+  result.figures = {{"flashes", planned, {}, {}, 0},
+                    {"seen_by_own_sensor", static_cast<double>(tally.own), {}, planned, 0},
+                    {"seen_by_other_sensor", static_cast<double>(tally.other), {}, 0.0, 0},
+                    {"extra_edges", static_cast<double>(tally.extra), {}, 0.0, 0}};
+  if (delays.count < 2) return result;
+  result.value = delays.mean_us;
+  result.sd = delays.sd_us();
   result.unit = "us";
   result.figures.push_back(
-      {"delay_" + letter + "_us", delays.mean(), delays.mean_sd(), names.expected_us, delays.count()});
-  result.figures.push_back({"jitter_" + letter + "_us", delays.sd(), {}, {}, delays.count()});
+      {"delay_" + letter + "_us", delays.mean_us, delays.sd_us(), names.expected_us, delays.count});
+  result.figures.push_back({"jitter_" + letter + "_us", delays.jitter_us, {}, {}, delays.count});
   return result;
 }
 
@@ -223,7 +270,7 @@ StepResult judge_lamp_alone(const std::string& id, Lamps lamp, const shot_t& sho
   result.words = fmt::format(
       "lamp {} flashes {:.2f} ± {:.2f} us after its pulse (rig file: {:.1f}); jitter {:.2f} us; {} "
       "flashes, each seen once",
-      names.own, tally.delays.mean(), tally.delays.mean_sd(), names.expected_us, tally.delays.sd(),
+      names.own, tally.delays.mean_us, tally.delays.sd_us(), names.expected_us, tally.delays.jitter_us,
       tally.planned);
   return with_numbers(std::move(result), names, tally, limits);
 }

@@ -13,7 +13,7 @@ namespace {
 /// hundred with 95 % probability.
 constexpr int kLampFlashes = 100;
 constexpr int kShutterTrains = 5;
-constexpr int kShutterFlashes = 12;
+constexpr int kShutterFlashes = 50;  // so that the exposure outlasts any lag
 
 const std::vector<std::string> kLampTables{"chip", "lines", "lamps", "sensors"};
 

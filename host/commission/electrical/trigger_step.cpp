@@ -12,7 +12,7 @@ namespace {
 using strobe_msgs::event_t;
 
 constexpr const char* kTriggerId = "trigger";
-constexpr int kTriggerFlashes = 20;
+constexpr int kTriggerFlashes = 50;
 /// The loop's own lateness; a pulse that the line held longer is another thing.
 constexpr double kPulseTolerance_ms = 2.0;
 
@@ -35,6 +35,7 @@ void TriggerStep::begin(const Situation& situation) {
   fire.plan = dry_train(situation.rig, Lamps::both, kTriggerFlashes);
   fire.plan.dry = false;
   fire.words = "the machine's trigger, once";
+  fire.readout = false;
   shots_ = ShotCollector({fire});
   pulses_.clear();
   heard_.reset();

@@ -105,6 +105,7 @@ std::string record_line(const RecordedStep& step) {
 
 Record parse_record(std::string_view text) {
   Record record;
+  record.torn = !text.empty() && text.back() != '\n';
   for (int number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
     const std::string_view line = text.substr(0, end);

@@ -25,6 +25,7 @@ struct RecordedStep {
 };
 
 struct Record {
+  bool torn = false;                 ///< the last line has no end
   std::vector<RecordedStep> steps;  ///< oldest first
   std::vector<std::string>
       remarks;  ///< a sentence for each line that is none, such as one that a power cut tore
