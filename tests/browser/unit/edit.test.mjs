@@ -397,7 +397,7 @@ test("brackets change the diameter, points the equator, n says that none is seen
   assert.ok(Math.abs(image().diameter_px - 61.1) < 1e-9);
   press(".");
   press("<");
-  assert.ok(Math.abs(image().equator_rad * 180 / Math.PI - (0.5 * 180 / Math.PI - 0.9)) < 1e-9);
+  assert.ok(Math.abs((image().equator_rad * 180) / Math.PI - ((0.5 * 180) / Math.PI - 0.9)) < 1e-9);
   press("n");
   assert.equal(image().equator_rad, null);
   press("Delete");

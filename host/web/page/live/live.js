@@ -110,6 +110,6 @@ export class Live extends EventTarget {
   }
 
   tell(kind, detail) {
-    this.dispatchEvent(new CustomEvent(kind, { detail }));
+    this.dispatchEvent(Object.assign(new Event(kind), { detail }));
   }
 }
