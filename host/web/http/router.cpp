@@ -38,15 +38,20 @@ Router::Found Router::find(Request& request) const {
   const std::string_view method = request.method == "HEAD" ? std::string_view("GET") : request.method;
   Found found{404};
   if (!request.path.starts_with('/')) return found;
+  const Route* best = nullptr;
+  Parameters best_parameters;
   for (const Route& route : routes_) {
     Parameters parameters;
     if (!matches(route.pattern, request.path, parameters)) continue;
     found.status = 405;
     if (route.method != method) continue;
-    request.parameters = std::move(parameters);
-    return {200, route.work, &route.handler};
+    if (best != nullptr && parameters.size() >= best_parameters.size()) continue;
+    best = &route;
+    best_parameters = std::move(parameters);
   }
-  return found;
+  if (best == nullptr) return found;
+  request.parameters = std::move(best_parameters);
+  return {200, best->work, &best->handler};
 }
 
 Response Router::answer(const Found& found, const Request& request) {

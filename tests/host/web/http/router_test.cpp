@@ -14,8 +14,10 @@ TEST_GROUP(WebRouter) {
     router.get("/api/v1/sessions/{session}/shots/{shot}", Work::slow, [](const Request& request) {
       return error_response(200, request.parameters.at("session") + " " + request.parameters.at("shot"));
     });
-    router.post("/api/v1/stop", Work::quick, [](const Request& request) { return error_response(200, request.body); });
-    router.get("/bad", Work::quick, [](const Request&) -> Response { throw std::runtime_error("two\nlines"); });
+    router.post("/api/v1/stop", Work::quick,
+                [](const Request& request) { return error_response(200, request.body); });
+    router.get("/bad", Work::quick,
+               [](const Request&) -> Response { throw std::runtime_error("two\nlines"); });
   }
   Response asked(const std::string& method, const std::string& path) {
     Request request;
@@ -33,8 +35,9 @@ TEST(WebRouter, FindsAPathAndWhatItsNamesMatch) {
 }
 
 TEST(WebRouter, AnswersWhatIsNotThereWith404) {
-  for (const char* path : {"/", "", "/api/v1/session", "/api/v1/sessions/", "/api/v1/sessions/a", "/api/v1/sessions//shots/1",
-                           "/api/v1/sessions/a/shots/", "/api/v1/sessions/a/shots/1/x", "api/v1/sessions"})
+  for (const char* path :
+       {"/", "", "/api/v1/session", "/api/v1/sessions/", "/api/v1/sessions/a", "/api/v1/sessions//shots/1",
+        "/api/v1/sessions/a/shots/", "/api/v1/sessions/a/shots/1/x", "api/v1/sessions"})
     LONGS_EQUAL(404, asked("GET", path).status);
 }
 
@@ -42,6 +45,27 @@ TEST(WebRouter, AnswersAnotherMethodWith405) {
   LONGS_EQUAL(405, asked("GET", "/api/v1/stop").status);
   LONGS_EQUAL(405, asked("HEAD", "/api/v1/stop").status);
   LONGS_EQUAL(405, asked("POST", "/api/v1/sessions").status);
+}
+
+TEST(WebRouter, PrefersAWordToANameWhateverCameFirst) {
+  Router both;
+  const auto answer = [](const char* words) {
+    return [words](const Request& request) {
+      return json_text_response(words + std::to_string(request.parameters.size()));
+    };
+  };
+  both.get("/shots/{shot}/{boot}", Work::quick, answer("boot"));
+  both.get("/shots/{shot}/photograph", Work::quick, answer("photograph"));
+  both.post("/shots/{shot}/undo", Work::quick, answer("undo"));
+  const auto ask = [&](const char* path) {
+    Request request;
+    request.method = "GET";
+    request.path = path;
+    return *both.route(request).body;
+  };
+  CHECK_EQUAL("photograph1", ask("/shots/3/photograph"));
+  CHECK_EQUAL("boot2", ask("/shots/3/1f2e4d"));
+  CHECK_EQUAL("boot2", ask("/shots/3/undo"));  // with this method
 }
 
 TEST(WebRouter, TellsWhichWorkIsSlow) {
