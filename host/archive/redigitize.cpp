@@ -70,6 +70,24 @@ int next_number(const fs::path& session, const ShotKey& key) {
   return newest + 1;
 }
 
+std::string corrections_name(const StoredSession& session, const ShotKey& key, int number) {
+  return digitization_stem(session.folder, key, number).filename().string() + ".toml";
+}
+
+/// With the corrections under the name that they have in the session, to which what is kept refers, whatever their file was
+/// called before. A failure names that.
+Result<MeasuredPhotograph> measure_to_keep(const StoredSession& session, const StoredShot& shot,
+                                           const std::string& text, const std::string& file_name,
+                                           int number) {
+  const std::string kept = corrections_name(session, shot.key, number);
+  const auto corrections = digitize::parse_corrections(text, kept);
+  if (!corrections) return tl::unexpected(corrections.error());
+  auto measured = redigitize(session, shot, *corrections);
+  if (measured) return measured;
+  const std::string& words = measured.error().message;
+  return fail(words.starts_with(kept) ? file_name + words.substr(kept.size()) : words);
+}
+
 /// Corrections first: a frame in the folder counts.
 Result<void> put(const StoredSession& session, StoredShot& shot, const MeasuredPhotograph& measured,
                  const std::string& corrections, const Author& author) {
@@ -143,7 +161,8 @@ Result<ChangedShot> put_correction(const StoredSession& session, const StoredSho
     if (newest && *newest == text) return ChangedShot{shot, false};
   }
   ChangedShot changed{shot, true};
-  const auto measured = redigitize(session, shot, *corrections);
+  const int number = next_number(session.folder, shot.key) + (never_digitized(shot) ? 1 : 0);
+  const auto measured = measure_to_keep(session, shot, text, file_name, number);
   if (!measured) return tl::unexpected(measured.error());
   if (never_digitized(shot)) {
     const auto uncorrected = redigitize(session, shot);
