@@ -58,6 +58,8 @@ const std::map<std::string, std::vector<Layer>> kLayers{
          {"host/report/content", "host/web/json"},
          {"host/report/sections"},
          {"host/commands/reduce", "host/report", "host/thesis/tables"},
+         {"host/web/archive"},
+         {"host/web/editing"},
          {"host/commands"},
          {"host/commands/bounces", "host/commands/contact", "host/commands/fit", "host/commands/predict",
           "host/commands/report", "host/commands/series", "host/commands/thesis"},

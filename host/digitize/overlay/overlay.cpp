@@ -12,6 +12,7 @@
 #include "common/config/files.hpp"
 #include "common/image/image_files.hpp"
 #include "common/image/opencv.hpp"
+#include "host/digitize/overlay/display.hpp"
 
 namespace strobe::digitize {
 
@@ -30,31 +31,7 @@ const cv::Scalar kRejected(70, 70, 255);
 
 constexpr int kShift = 4;  // of OpenCV's fixed-point coordinates
 
-float quantile_of(const std::vector<float>& sorted, double share) {
-  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
-}
-
-/// Black and white at the 1st and 99.8th percentile, with a gamma of 0.5.
-cv::Mat stretched(const cv::Mat& intensity) {
-  constexpr int kSamplesAcross = 400;
-  const int step = std::max(1, std::max(intensity.cols, intensity.rows) / kSamplesAcross);
-  std::vector<float> samples;
-  for (int row = 0; row < intensity.rows; row += step) {
-    for (int column = 0; column < intensity.cols; column += step)
-      samples.push_back(intensity.at<float>(row, column));
-  }
-  std::ranges::sort(samples);
-  const float black = quantile_of(samples, 0.01);
-  const float white = std::max(quantile_of(samples, 0.998), black + 1e-4F);
-  cv::Mat shown = (intensity - black) * (1.0F / (white - black));
-  shown = cv::min(cv::max(shown, 0.0F), 1.0F);
-  cv::sqrt(shown, shown);
-  cv::Mat grey;
-  shown.convertTo(grey, CV_8U, 215.0);  // leaves room for what is drawn
-  cv::Mat picture;
-  cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
-  return picture;
-}
+constexpr double kWhite = 215.0;  // leaves room for what is drawn
 
 cv::Scalar colour_of(const BallImage& image) {
   if (image.source == "hand") return kByHand;
@@ -71,7 +48,7 @@ class Canvas {
       scale_ = static_cast<double>(longest_side_px) / longest;
       cv::resize(intensity, intensity, cv::Size(), scale_, scale_, cv::INTER_AREA);
     }
-    picture_ = stretched(intensity);
+    cv::cvtColor(display_grey(intensity, kWhite), picture_, cv::COLOR_GRAY2BGR);
     text_scale_ = std::clamp(std::max(picture_.cols, picture_.rows) / 2900.0, 0.4, 1.2);
   }
 

@@ -1,0 +1,85 @@
+#include "host/web/archive/session_table.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "common/config/files.hpp"
+#include "common/messages/or_null.hpp"
+#include "host/archive/stored_digitizations.hpp"
+#include "host/config/rig_file.hpp"
+#include "host/session/run_record.hpp"
+#include "host/web/archive/session_folders.hpp"
+
+namespace strobe::web {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+std::string own_text(const fs::path& folder, const char* name) {
+  if (!is_own_file(folder, folder / name)) return "";
+  return config::read_file((folder / name).string()).value_or("");
+}
+
+std::string rig_name(const fs::path& folder) {
+  const auto rig = host::read_rig(own_text(folder, "rig.toml"), "rig.toml");
+  return rig ? rig->rig : "";
+}
+
+/// What all rows have; null where they differ.
+template <typename Of>
+ordered_json common_json(const std::vector<ShotRow>& rows, Of of) {
+  if (rows.empty()) return nullptr;
+  for (const ShotRow& row : rows)
+    if (of(row) != of(rows.front())) return nullptr;
+  return of(rows.front());
+}
+
+}  // namespace
+
+SessionTable read_table(const fs::path& folder) {
+  SessionTable table;
+  table.folder = folder;
+  table.rig = rig_name(folder);
+  table.rows = shot_rows(own_text(folder, "results.csv"));
+  for (const host::RunRecord& run : host::parse_runs(own_text(folder, "runs.jsonl")).runs)
+    if (table.utc.empty() || run.utc < table.utc) table.utc = run.utc;
+  if (table.utc.empty() && !table.rows.empty()) table.utc = table.rows.front().utc;
+  return table;
+}
+
+ordered_json session_json(const SessionTable& table, bool live) {
+  const auto counted =
+      std::ranges::count_if(table.rows, [](const ShotRow& row) { return !row.dry && !row.rejected; });
+  const auto word = [](const std::string& text) {
+    return text.empty() ? ordered_json() : ordered_json(text);
+  };
+  return {{"id", session_id(table.folder.filename().string())},
+          {"utc", word(table.utc)},
+          {"shots", table.rows.size()},
+          {"counted", counted},
+          {"rig", word(table.rig)},
+          {"spin", common_json(table.rows, [&](const ShotRow& row) { return word(row.spin); })},
+          {"angle_deg",
+           common_json(table.rows, [](const ShotRow& row) { return messages::or_null(row.angle_deg); })},
+          {"live", live}};
+}
+
+Edits edits_of(const fs::path& session) {
+  std::vector<std::string> names;
+  Edits edits;
+  std::error_code error;
+  for (fs::directory_iterator entry(session / "digitizations", error), end; !error && entry != end;
+       entry.increment(error)) {
+    fs::path name = entry->path().filename();
+    names.push_back(name.string());
+    if (name.extension() == ".undone") name = name.stem();
+    if (const auto file = host::digitization_file(name)) edits.shots.insert(file->key);
+  }
+  std::ranges::sort(names);
+  for (const std::string& name : names) edits.state += name + "/";
+  return edits;
+}
+
+}  // namespace strobe::web
