@@ -9,7 +9,7 @@ import { hasDraft } from "./edit/draft.js";
 import { mountEditor } from "./edit/editor.js";
 import { fill, h } from "./parts/dom.js";
 import { button } from "./photograph/controls.js";
-import { enlargement, hatchedPlaces, inTime, millimetresPerPx } from "./photograph/geometry.js";
+import { enlargement, firstTime, hatchedPlaces, inTime, millimetresPerPx } from "./photograph/geometry.js";
 import { createLegend } from "./photograph/legend.js";
 import { createMarks } from "./photograph/marks.js";
 import { createPanel } from "./photograph/panel.js";
@@ -93,7 +93,7 @@ class PhotographView {
     this.stage.setFocus(image?.centre_px ?? place?.centre_px ?? null);
     this.marks.show({ items, places, surface_px: this.detail.surface_px, selected: this.chosen, enlarged, editing: false }, this.stage.view().scale);
     this.legend.show(enlarged);
-    this.panel.show({ image, place, mmPerPx: millimetresPerPx(this.detail), unmeasured: this.unmeasuredPlaces() });
+    this.panel.show({ image, place, mmPerPx: millimetresPerPx(this.detail), first_s: firstTime(this.detail.images), unmeasured: this.unmeasuredPlaces() });
   }
 
   edit() {

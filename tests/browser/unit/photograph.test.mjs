@@ -166,11 +166,14 @@ test("an image is told with its uncertainties in px and mm, its flash, and why i
     equator_rad: Math.PI / 6, equator_sd_rad: 0.001, used: false, why_not: "touches the surface", source: "hand", residual_px: null, time_s: 0.027 };
   assert.equal(tagOf(image), "10c");
   assert.equal(accessibleName(image), "Image of flash 10, touching the surface, by hand, not used: touches the surface");
-  const rows = new Map(measuredRows(image, 0.25));
+  const rows = new Map(measuredRows(image, { mmPerPx: 0.25, first_s: 0.003 }));
   assert.equal(rows.get("Column"), "734.480 ± 0.028 px");
   assert.equal(rows.get("Diameter"), "260.370 ± 0.063 px (65.093 ± 0.016 mm)");
   assert.equal(rows.get("Equator"), "30.000 ± 0.057 °");
-  assert.equal(rows.get("Time"), "27.0000 ms");
+  assert.equal(rows.get("Time"), "24.0000 ms after the first image");
+  assert.equal(rows.get("In the readout"), "not used: touches the surface");
   assert.ok(!rows.has("Residual"));
-  assert.equal(new Map(measuredRows({ ...image, equator_rad: null, diameter_px: 0 }, null)).get("Equator"), "not seen");
+  assert.equal(new Map(measuredRows({ ...image, equator_rad: null, diameter_px: 0 }, { mmPerPx: null, first_s: 0 })).get("Equator"), "not seen");
+  const used = new Map(measuredRows({ ...image, used: true, diameter_used: true, equator_used: false }, { mmPerPx: 1, first_s: 0 }));
+  assert.equal(used.get("In the readout"), "used for place and diameter");
 });

@@ -117,6 +117,12 @@ export function inTime(images) {
     .map(({ position }) => position);
 }
 
+/// 0 where no time is known.
+export function firstTime(images) {
+  const times = images.map((image) => image.time_s).filter(Number.isFinite);
+  return times.length > 0 ? Math.min(...times) : 0;
+}
+
 /// Places that looked like a ball and became no image, without those that an image covers.
 export function hatchedPlaces({ images, unmeasured }) {
   const covered = (place) => images.some((image) =>

@@ -18,11 +18,11 @@ export function createPanel() {
   const element = h("section", { class: "photograph-panel", "aria-live": "polite", "aria-label": "The chosen image" }, heading, remark, list);
   return {
     element,
-    show({ image, place, mmPerPx, unmeasured }) {
+    show({ image, place, mmPerPx, first_s, unmeasured }) {
       heading.textContent = image ? nameOf(image) : place ? "Not measured" : "No image chosen";
       remark.textContent = image ? "" : place ? placeName(place) : HINT;
       remark.hidden = Boolean(image);
-      const rows = image ? [...measuredRows(image, mmPerPx), ...reasonsNear(image, unmeasured).map(({ what, why }) => [`No ${what}`, why])] : [];
+      const rows = image ? [...measuredRows(image, { mmPerPx, first_s }), ...reasonsNear(image, unmeasured).map(({ what, why }) => [`No ${what}`, why])] : [];
       fill(list, rows.map(([what, words]) => h("div", {}, h("dt", {}, what), h("dd", {}, words))));
       list.hidden = rows.length === 0;
     },

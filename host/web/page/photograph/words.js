@@ -44,8 +44,15 @@ function sdWords({ major, minor }, mmPerPx) {
   return `${significant(minor)} px${mm(minor)} to ${significant(major)} px${mm(major)}, by direction`;
 }
 
-/// Rows [what, words] of the panel. mmPerPx: null where there is no scale.
-export function measuredRows(image, mmPerPx) {
+/// "used for place and equator": of an image that the readout uses, its numbers that it uses.
+function usedFor(image) {
+  if (image.used !== true || image.diameter_used === undefined) return useOf(image);
+  const parts = ["place", image.diameter_used && "diameter", image.equator_used && "equator"].filter(Boolean);
+  return `used for ${parts.length > 1 ? `${parts.slice(0, -1).join(", ")} and ${parts.at(-1)}` : parts[0]}`;
+}
+
+/// Rows [what, words] of the panel. mmPerPx: null where there is no scale; first_s: the time of the shot's first image.
+export function measuredRows(image, { mmPerPx, first_s: first }) {
   const sd = uncertaintyOf(image);
   const seen = isKnown(image.equator_rad);
   const rows = [
@@ -57,9 +64,9 @@ export function measuredRows(image, mmPerPx) {
     ["Leg", legOf(image).words],
     ["Flash", isKnown(image.flash_index) ? String(image.flash_index + 1) : "not known"],
   ];
-  if (Number.isFinite(image.time_s)) rows.push(["Time", `${fixed(image.time_s * 1e3, 4)} ms`]);
+  if (Number.isFinite(image.time_s)) rows.push(["Time", `${fixed((image.time_s - first) * 1e3, 4)} ms after the first image`]);
   if (Number.isFinite(image.residual_px)) rows.push(["Residual", `${significant(image.residual_px)} px from the fitted flight`]);
-  if (useOf(image)) rows.push(["In the readout", useOf(image)]);
+  if (useOf(image)) rows.push(["In the readout", usedFor(image)]);
   if (image.source) rows.push(["Measured", image.source === "hand" ? "by hand" : "by the digitizer"]);
   return rows;
 }
