@@ -219,7 +219,12 @@ class ShotView {
   }
 
   showNone() {
-    fill(this.numbers, quiet("No shot yet."));
+    const history = h("a", { href: routeTo("history") }, "the history");
+    fill(
+      this.numbers,
+      quiet("No shot yet since strobe was started."),
+      h("p", {}, "Earlier ones are in ", history, "."),
+    );
   }
 }
 
