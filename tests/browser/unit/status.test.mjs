@@ -46,6 +46,7 @@ test("of a firmware that was never heard neither key nor e-stop is told", () => 
     "firmware not heard",
   ]);
   assert.equal(missing({ ...good, state: "never_heard" }), "no firmware heard");
+  assert.deepEqual(cautions({ ...good, state: "never_heard", real_time: false, journal_ok: false }), []);
 });
 
 test("what is not known is said to be unknown", () => {

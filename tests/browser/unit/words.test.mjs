@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { recordWords, stepNumber, stepState } from "../../../host/web/page/words/commissioning.js";
 import { parseRoute, routeTo } from "../../../host/web/page/words/routes.js";
-import { announcement, condition, verdict } from "../../../host/web/page/words/shots.js";
+import { announcement, condition, remarks, verdict } from "../../../host/web/page/words/shots.js";
 import { dateAndTime, duration } from "../../../host/web/page/words/times.js";
 import { clockWords, spread } from "../../../host/web/page/words/timing.js";
 
@@ -27,6 +27,16 @@ test("a rejected shot tells why", () => {
   });
   assert.equal(verdict({ counted: true, rejected: null }).text, "counted");
   assert.equal(verdict({ counted: false, rejected: null, dry: true }).text, "dry");
+});
+
+test("remarks are the reason, and flags that it does not name already", () => {
+  const flags = ["too_few_images", "no_redundancy"];
+  assert.equal(
+    remarks({ counted: false, rejected: "too few images of the ball", flags }),
+    "too few images of the ball; no redundancy",
+  );
+  assert.equal(remarks({ counted: true, rejected: null, flags }), "too few images, no redundancy");
+  assert.equal(remarks({ counted: true, rejected: null, flags: [] }), "");
 });
 
 test("a new shot is announced in one sentence", () => {

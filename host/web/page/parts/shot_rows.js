@@ -3,7 +3,7 @@ import { h } from "./dom.js";
 import { badge } from "./notices.js";
 import { rounded, unitWords } from "../words/numbers.js";
 import { routeTo } from "../words/routes.js";
-import { condition, flagWords, verdict } from "../words/shots.js";
+import { condition, remarks, verdict } from "../words/shots.js";
 import { dateAndTime } from "../words/times.js";
 
 /// Those that tell shots apart at a glance; all are a click away.
@@ -88,8 +88,7 @@ export class ShotRows {
   }
 
   row(shot) {
-    const { level, text, reason } = verdict(shot);
-    const flags = (shot.flags ?? []).map(flagWords).join(", ");
+    const { level, text } = verdict(shot);
     const number = (q) => {
       const known = shot.values?.[q.name];
       return h(
@@ -110,7 +109,7 @@ export class ShotRows {
       h("td", { class: "words" }, condition(shot)),
       this.quantities.map(number),
       h("td", { class: "words verdict-cell" }, level === "plain" ? text : badge(level, text)),
-      h("td", { class: "words reason" }, [reason, flags].filter(Boolean).join("; ")),
+      h("td", { class: "words reason" }, remarks(shot)),
     );
   }
 }

@@ -80,7 +80,7 @@ function differencesTable(known, answer, one, other) {
         cell(d.difference),
         cell(d.expanded_uncertainty),
         differenceBar(d.difference, d.expanded_uncertainty),
-        badge("plain", d.decided ? "differs" : "not decided"),
+        d.decided ? badge("plain", "differs") : "not decided",
         cell(d.total_sd),
         cell(d.standard_error),
         cell(d.shared_sd),

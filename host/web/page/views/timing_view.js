@@ -14,6 +14,7 @@ export function timingView(main, { live, signal }) {
   fill(main, viewHeading("Timing"), place);
   let shown = "";
   const load = async () => {
+    if (live.state.status?.state === "never_heard") return fill(place, quiet("No firmware was heard yet."));
     try {
       const timing = await getJson(path("timing"), signal);
       const text = JSON.stringify(timing);

@@ -19,6 +19,13 @@ export function flagWords(name) {
   return name.replaceAll("_", " ");
 }
 
+/// Why it does not count and its flags, but for those that the reason names already.
+export function remarks(shot) {
+  const { reason } = verdict(shot);
+  const flags = (shot.flags ?? []).map(flagWords).filter((words) => !reason.includes(words));
+  return [reason, flags.join(", ")].filter(Boolean).join("; ");
+}
+
 const DIGITIZATIONS = {
   auto: "measured by the program",
   hand: "measured by hand",

@@ -63,9 +63,9 @@ export function cautions(status) {
     words.push(
       `packets ignored: ${ignored.map(([why, n]) => `${n} ${why.replaceAll("_", " ")}`).join(", ")}`,
     );
-  if (status.journal_ok === false) words.push("the firmware's journal cannot be written");
-  if (status.real_time === false && status.state !== "never_heard")
-    words.push("the firmware does not run in real time");
+  const heard = status.state !== "never_heard";
+  if (heard && status.journal_ok === false) words.push("the firmware's journal cannot be written");
+  if (heard && status.real_time === false) words.push("the firmware does not run in real time");
   if (status.events_missing > 0)
     words.push(`${count(status.events_missing, "event")} of the firmware did not arrive here`);
   if (status.photographs_pending > 0)
