@@ -6,7 +6,7 @@
 //   shown.unsaved()        whether leaving would lose sight of corrections (they are kept in this tab)
 //   shown.destroy()
 import { hasDraft } from "./edit/draft.js";
-import { mountEditor } from "./edit/editor.js";
+import { mountEditor } from "./edit/mount.js";
 import { fill, h } from "./parts/dom.js";
 import { button } from "./photograph/controls.js";
 import { enlargement, firstTime, hatchedPlaces, inTime, millimetresPerPx } from "./photograph/geometry.js";

@@ -1,6 +1,7 @@
-// Corrections of a photograph by mouse, touch and keyboard: each step is asked of the host as a preview, so that the
-// readout is seen to change; saved, it is what `strobe shot --edit` makes of the same text.
-
+// Corrections of one photograph as a person makes them: each step is asked of the host as a preview, so that the readout is
+// seen to change; saved, it is what `strobe shot --edit` makes of the same text.
+import { fill } from "../parts/dom.js";
+import { enlargement, hatchedPlaces, inTime } from "../photograph/geometry.js";
 import { createActions } from "./actions.js";
 import { keepDraft, readDraft } from "./draft.js";
 import { createFields } from "./fields.js";
@@ -8,218 +9,183 @@ import { createHandles } from "./handles.js";
 import { withJudgement } from "./judgement.js";
 import { createModel } from "./model.js";
 import { createNewestOnly } from "./preview.js";
-import { createRequests } from "./requests.js";
 import { createTable } from "./table.js";
 import { createTool } from "./tool.js";
 import { correctionsText, editsFromList } from "./toml.js";
-import { fill, h } from "../parts/dom.js";
-import { button } from "../photograph/controls.js";
-import { enlargement, hatchedPlaces, inTime } from "../photograph/geometry.js";
 
-/// {found, saved: edits, lost} of the host's answer.
-function readCorrections({ found, corrections }) {
-  const { edits, lost } = editsFromList(found, corrections);
-  return { found, saved: edits, lost };
-}
-
-function createEditor(host, { found, saved, lost }) {
-  const { session, shot, photo, stage, marks, legend, requests } = host;
-  const savedText = correctionsText(found, saved);
-  const draft = readDraft(session, shot, found);
-  const model = createModel({ found, first: saved, draft, photo, changed });
-  const table = createTable();
-  const fields = createFields(model);
-  const handles = createHandles(stage, model);
-  const actions = createActions({
-    undo: () => tellStep(model.undo()), redo: () => tellStep(model.redo()), add: model.startAdding, surface: model.chooseSurface,
-    save, discard: () => model.replace(saved, "discard what was not saved"), undoNewest, close,
-  });
-  let judged = host.detail().images;
-  let quantities = [];
-  let asked = null;
-  let busy = false;
-
-  const unsaved = () => model.text() !== savedText;
-  const tellStep = (words) => words && actions.tell(words);
-
-  const preview = createNewestOnly({
-    ask: requests.preview,
-    busy: (whether) => table.tell(whether ? "Measuring …" : ""),
-    answered(answer) {
-      judged = answer.images ?? judged;
-      table.show(answer, quantities);
-      draw();
-    },
-    failed: (error) => table.fail(`No readout for these corrections: ${error.message}. They are kept.`),
-  });
-
-  function ask() {
-    const text = model.text();
-    if (text === asked) return;
-    asked = text;
-    keepDraft(session, shot, found, text === savedText ? null : model.edits());
-    if (text !== "" && text !== savedText) return preview.want(text);
-    preview.forget();
-    table.clear();
-    judged = host.detail().images;
-    table.tell(text === savedText ? "" : "Nothing is corrected any more: to go back to what was found, undo the newest correction.");
+export class Editor {
+  /// host: what mount.js gives. answer: the host's, of what was found and which corrections count.
+  constructor(host, { found, corrections }) {
+    const { edits: saved, lost } = editsFromList(found, corrections);
+    const draft = readDraft(host.session, host.shot, found);
+    Object.assign(this, { host, found, saved, savedText: correctionsText(found, saved), judged: host.detail().images,
+      quantities: [], asked: null, busy: false, ended: new AbortController() });
+    this.model = createModel({ found, first: saved, draft, photo: host.photo, changed: () => this.changed() });
+    this.table = createTable();
+    this.fields = createFields(this.model);
+    this.handles = createHandles(host.stage, this.model);
+    this.actions = createActions(this.acts());
+    this.preview = this.createPreview();
+    this.show();
+    this.changed();
+    if (draft) this.actions.tell("Corrections that were not saved are here again.");
+    if (lost.length > 0) this.actions.fail(`Of the corrections that count, ${lost.length} no longer mean an image that is found: saved again, they are left out.`);
+    this.askQuantities();
   }
 
-  function draw() {
-    const items = withJudgement(model.items(), judged);
-    const images = items.map((item) => item.image);
+  acts() {
+    const { model } = this;
+    return {
+      undo: () => this.tellStep(model.undo()), redo: () => this.tellStep(model.redo()), add: model.startAdding, surface: model.chooseSurface,
+      save: () => this.save(), discard: () => model.replace(this.saved, "discard what was not saved"), undoNewest: () => this.undoNewest(),
+      close: () => this.close(),
+    };
+  }
+
+  createPreview() {
+    return createNewestOnly({
+      ask: this.host.requests.preview,
+      busy: (whether) => this.table.tell(whether ? "Measuring …" : ""),
+      answered: (answer) => {
+        this.judged = answer.images ?? this.judged;
+        this.table.show(answer, this.quantities);
+        this.draw();
+      },
+      failed: (error) => this.table.fail(`No readout for these corrections: ${error.message}. They are kept.`),
+    });
+  }
+
+  show() {
+    const { host, actions } = this;
+    fill(host.under, this.table.element);
+    fill(host.element, actions.head, this.fields.element, actions.foot, actions.told, actions.failed, actions.keys, actions.history);
+    host.stage.element.classList.add("is-correcting");
+    host.stage.setTool(createTool({ model: this.model, stage: host.stage, marks: host.marks, escaped: () => this.escape() }));
+    for (const part of [host.stage.element, host.element]) part.addEventListener("keydown", (event) => this.undoKey(event), { signal: this.ended.signal });
+  }
+
+  async askQuantities() {
+    try {
+      this.quantities = await this.host.requests.quantities();
+      this.asked = null;
+      this.ask();
+    } catch (error) {
+      this.table.fail(`The readout's names are missing: ${error.message}.`);
+    }
+  }
+
+  unsaved() { return this.model.text() !== this.savedText; }
+
+  tellStep(words) {
+    if (words) this.actions.tell(words);
+  }
+
+  changed() {
+    this.draw();
+    if (this.model.attempting()) return;
+    this.actions.tell("");
+    this.ask();
+  }
+
+  /// The preview of what is to be seen, unless it is asked for already.
+  ask() {
+    const { session, shot } = this.host;
+    const text = this.model.text();
+    if (text === this.asked || this.ended.signal.aborted) return;
+    this.asked = text;
+    keepDraft(session, shot, this.found, text === this.savedText ? null : this.model.edits());
+    if (text !== "" && text !== this.savedText) {
+      this.preview.want(text);
+      return;
+    }
+    this.preview.forget();
+    this.table.clear();
+    this.judged = this.host.detail().images;
+    this.table.tell(text === this.savedText ? "" : "Nothing is corrected any more: to go back to what was found, undo the newest correction.");
+  }
+
+  draw() {
+    if (this.ended.signal.aborted) return;
+    const { host, model, found } = this;
+    const items = withJudgement(model.items(), this.judged);
+    const chosen = items.find((item) => item.key === model.selectedItem()?.key);
     const enlarged = enlargement(found.images);
-    stage.setFocus(model.selectedItem()?.image.centre_px ?? null);
-    marks.show({ items: inTime(images).map((position) => items[position]), places: hatchedPlaces({ images: found.images, unmeasured: found.unmeasured ?? host.detail().unmeasured }), surface_px: model.surface_px(), editing: true,
-      selected: model.selectedItem()?.key ?? null, enlarged }, stage.view().scale);
-    legend.show(enlarged);
-    handles.draw();
-    fields.show(items.find((item) => item.key === model.selectedItem()?.key));
-    const corrected = host.detail().digitizations.at(-1)?.kind === "corrected";
-    actions.show({ undo: model.canUndo(), redo: model.canRedo(), save: unsaved() && model.text() !== "" && !busy, discard: unsaved() && !busy,
-      undoNewest: corrected && !unsaved() && !busy }, { add: model.adding(), surface: model.surfaceChosen() }, host.detail().digitizations);
-    stage.element.classList.toggle("is-adding", model.adding());
-    stage.element.classList.add("is-correcting");
+    host.stage.setFocus(chosen?.image.centre_px ?? null);
+    host.marks.show({ items: inTime(items.map((item) => item.image)).map((position) => items[position]), places: hatchedPlaces(found),
+      surface_px: model.surface_px(), editing: true, selected: chosen?.key ?? null, enlarged }, host.stage.view().scale);
+    host.legend.show(enlarged);
+    host.stage.element.classList.toggle("is-adding", model.adding());
+    this.handles.draw();
+    this.fields.show(chosen);
+    this.showActions();
   }
 
-  function changed() {
-    draw();
-    if (model.attempting()) return;
-    actions.tell("");
-    ask();
+  showActions() {
+    const { model, busy } = this;
+    const { digitizations } = this.host.detail();
+    const unsaved = this.unsaved();
+    this.actions.show({ undo: model.canUndo(), redo: model.canRedo(), save: unsaved && model.text() !== "" && !busy, discard: unsaved && !busy,
+      undoNewest: digitizations.at(-1)?.kind === "corrected" && !unsaved && !busy },
+    { add: model.adding(), surface: model.surfaceChosen() }, digitizations);
   }
 
   /// A number that is being typed has its own undoing.
-  function undoKey(event) {
+  undoKey(event) {
     if (!(event.ctrlKey || event.metaKey) || event.target.matches("input[type=number]")) return;
     const key = event.key.toLowerCase();
     if (key !== "z" && key !== "y") return;
     event.preventDefault();
-    tellStep(key === "z" && !event.shiftKey ? model.undo() : model.redo());
+    this.tellStep(key === "z" && !event.shiftKey ? this.model.undo() : this.model.redo());
+  }
+
+  escape() {
+    if (this.model.adding()) this.model.stopAdding();
+    else if (this.model.selectedItem() || this.model.surfaceChosen()) this.model.select(null);
+    else return false;
+    return true;
   }
 
   /// What the host is asked to do; whatever it answers, the edits stay until it is done.
-  async function act(doing, failing, done) {
-    busy = true;
-    actions.tell(doing);
-    draw();
+  async act(doing, failing, ask, done) {
+    this.busy = true;
+    this.actions.tell(doing);
+    this.draw();
     try {
+      await ask();
       await done();
     } catch (error) {
-      actions.tell("");
-      actions.fail(`${failing}: ${error.message}. Nothing is lost: try again.`);
+      this.actions.tell("");
+      this.actions.fail(`${failing}: ${error.message}. Nothing is lost: try again.`);
     }
-    busy = false;
-    draw();
+    this.busy = false;
+    this.draw();
   }
 
-  function save() {
+  save() {
+    const { host, model } = this;
     const text = model.text();
-    return act("Saving …", "Not saved", async () => {
-      await requests.save(text);
-      if (model.text() === text) keepDraft(session, shot, found, null);
-      await host.again("Saved: these corrections count from now on.", model.text() === text ? null : model.edits());
+    return this.act("Saving …", "Not saved", () => host.requests.save(text), () => {
+      const goneOn = model.text() === text ? null : model.edits();
+      keepDraft(host.session, host.shot, this.found, goneOn);
+      return host.again("Saved: these corrections count from now on.");
     });
   }
 
-  function undoNewest() {
-    return act("Undoing …", "Not undone", async () => {
-      await requests.undo();
-      await host.again("The newest correction is taken back; the one before it counts again.", null);
-    });
+  undoNewest() {
+    const { host } = this;
+    return this.act("Undoing …", "Not undone", () => host.requests.undo(),
+      () => host.again("The newest correction is taken back; the one before it counts again."));
   }
 
-  function close() {
-    if (unsaved()) return actions.fail("There are corrections that are not saved: save or discard them first.");
-    return host.close();
+  close() {
+    if (this.unsaved()) this.actions.fail("There are corrections that are not saved: save or discard them first.");
+    else this.host.close();
   }
 
-  const tool = createTool({ model, stage, marks, escaped() {
-    if (model.adding()) model.stopAdding();
-    else if (model.selectedItem() || model.surfaceChosen()) model.select(null);
-    else return false;
-    return true;
-  } });
-  fill(host.under, table.element);
-  fill(host.element, actions.head, fields.element, actions.foot, actions.told, actions.failed, actions.keys, actions.history);
-  stage.setTool(tool);
-  const undoKeys = new AbortController();
-  for (const part of [stage.element, host.element]) part.addEventListener("keydown", undoKey, { signal: undoKeys.signal });
-  requests.quantities().then((list) => {
-    quantities = list;
-    asked = null;
-    ask();
-  }, (error) => table.fail(`The readout's names are missing: ${error.message}`));
-  changed();
-  if (draft) actions.tell("Corrections that were not saved are here again.");
-  if (lost.length > 0) actions.fail(`${lost.length} earlier correction${lost.length > 1 ? "s" : ""} no longer mean any image that is found, and would be left out.`);
-  return {
-    unsaved, draw, tell: actions.tell,
-    fail: actions.fail,
-    destroy() {
-      preview.forget();
-      handles.destroy();
-      undoKeys.abort();
-    },
-  };
-}
-
-/// side: where the editor's controls go; under: where the comparison goes. ended(): closed by the person; edited(): the shot's detail is to be fetched anew.
-export function mountEditor({ session, shot, detail: first, photo, stage, marks, legend, side, under, ended, edited }) {
-  const element = h("section", { class: "edit", "aria-label": "Corrections by hand" });
-  const requests = createRequests(session, shot);
-  let detail = first;
-  let editor = null;
-  let gone = false;
-  side.append(element);
-  const host = {
-    session, shot, photo, stage, marks, legend, element, under, requests,
-    detail: () => detail,
-    close: ended,
-    async again(words, edits) {
-      edited?.();
-      await begin(edits);
-      editor?.tell(words);
-    },
-  };
-
-  async function begin(edits = null) {
-    const answer = readCorrections(await requests.corrections());
-    if (gone) return;
-    editor?.destroy();
-    if (edits) keepDraft(session, shot, answer.found, edits);
-    editor = createEditor(host, answer);
+  destroy() {
+    this.ended.abort();
+    this.preview.forget();
+    this.handles.destroy();
+    this.host.stage.element.classList.remove("is-adding", "is-correcting");
   }
-
-  function start() {
-    fill(element, h("p", { role: "status" }, "Asking what was found …"));
-    begin().catch((error) => {
-      fill(element, h("p", { class: "edit-problem", role: "alert" }, `It cannot be corrected now: ${error.message}.`),
-        button("Try again", start), button("Close", ended));
-    });
-  }
-
-  const unsaved = () => editor?.unsaved() ?? false;
-  const warn = (event) => {
-    if (unsaved()) event.preventDefault();
-  };
-  window.addEventListener("beforeunload", warn);
-  start();
-  return {
-    unsaved,
-    update(next) {
-      const others = next.digitizations.length !== detail.digitizations.length && unsaved();
-      detail = next;
-      editor?.draw();
-      if (others) editor.fail("Somebody else corrected this shot meanwhile. Your corrections are kept; saved, they replace theirs, which stay below.");
-    },
-    destroy() {
-      gone = true;
-      window.removeEventListener("beforeunload", warn);
-      stage.element.classList.remove("is-adding", "is-correcting");
-      editor?.destroy();
-      element.remove();
-      fill(under);
-    },
-  };
 }
