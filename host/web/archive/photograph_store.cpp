@@ -15,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kNotOwn = "the photograph is no file of the session";
 constexpr int kPictureQuality = 85;  // of JPEG
 
 int made_width(int wanted_px) {
@@ -23,8 +24,7 @@ int made_width(int wanted_px) {
   return 0;
 }
 
-Answered<digitize::Photograph> decoded_photograph(const fs::path& session, const fs::path& file) {
-  if (!is_own_file(session, file)) return unanswered(404, "the photograph is no file of the session");
+Answered<digitize::Photograph> decoded_photograph(const fs::path& file) {
   auto photograph = digitize::load_photograph(file);
   if (!photograph) return unanswered(404, photograph.error().message);
   return std::move(*photograph);
@@ -43,6 +43,7 @@ Result<std::vector<std::uint8_t>> encoded_picture(const digitize::Photograph& ph
 }  // namespace
 
 Answered<PictureSize> PhotographStore::size(const fs::path& session, const fs::path& file) {
+  if (!is_own_file(session, file)) return unanswered(404, kNotOwn);
   const Key key{file, stamp_of(file), 0};
   {
     const std::lock_guard lock(mutex_);
@@ -56,17 +57,18 @@ Answered<PictureSize> PhotographStore::size(const fs::path& session, const fs::p
 }
 
 Answered<Picture> PhotographStore::picture(const fs::path& session, const fs::path& file, int width_px) {
+  if (!is_own_file(session, file)) return unanswered(404, kNotOwn);
   const std::lock_guard lock(mutex_);
   Key key{file, stamp_of(file), made_width(width_px)};
   if (const PictureSize* size = sizes_.find({file, key.stamp, 0});
       size != nullptr && key.width_px >= size->width_px)
     key.width_px = 0;
   if (const Picture* known = pictures_.find(key)) return *known;
-  return make(session, std::move(key));
+  return make(std::move(key));
 }
 
-Answered<Picture> PhotographStore::make(const fs::path& session, Key key) {
-  const auto photograph = decoded_photograph(session, key.file);
+Answered<Picture> PhotographStore::make(Key key) {
+  const auto photograph = decoded_photograph(key.file);
   if (!photograph) return tl::unexpected(photograph.error());
   sizes_.put({key.file, key.stamp, 0}, {photograph->width(), photograph->height()}, 1);
   if (key.width_px >= photograph->width()) key.width_px = 0;

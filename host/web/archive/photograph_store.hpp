@@ -44,7 +44,7 @@ class PhotographStore {
     int width_px = 0;
     auto operator<=>(const Key&) const = default;
   };
-  Answered<Picture> make(const std::filesystem::path& session, Key key);
+  Answered<Picture> make(Key key);
 
   std::mutex mutex_;
   BoundedCache<Key, Picture> pictures_{kMaxKept_bytes};
