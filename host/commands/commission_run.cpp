@@ -7,6 +7,7 @@
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/commission_console.hpp"
+#include "host/commands/kept_record.hpp"
 #include "host/commands/operator_name.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/commission/all_steps.hpp"
@@ -129,6 +130,10 @@ int run(const CommissionRequest& request, SessionFolder& folder, RecordFile& rec
   loop.end_photographs();
   folder.close();
   std::string problem = record.problem();
+  if (const auto kept =
+          keep_commission_record(request.rig_path, request.rig, request.session, clock.read().wall);
+      !kept && problem.empty())
+    problem = kept.error().message;
   if (!receiving) problem = "LCM cannot receive any more";
   for (const std::string& line : folder.unstored()) problem += (problem.empty() ? "" : "; ") + line;
   return conclude(request, commissioning, problem);

@@ -4,6 +4,7 @@
 
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/kept_record.hpp"
 #include "host/commands/shot_text.hpp"
 #include "host/loop/stored_series.hpp"
 #include "host/messages/lcm_link.hpp"
@@ -59,9 +60,10 @@ AssemblySettings assembly_of(const FireRequest& request) {
 
 class FireRun {
  public:
-  FireRun(const FireRequest& request, SessionFolder& folder, Transport& link, Clock& clock,
-          std::int64_t host_id)
+  FireRun(const FireRequest& request, const std::string& commissioned, SessionFolder& folder, Transport& link,
+          Clock& clock, std::int64_t host_id)
       : request_(request),
+        commissioned_(commissioned),
         folder_(folder),
         clock_(clock),
         stored_({request.rig.rig, assembly_of(request), host_id, true, request.key, false,
@@ -93,6 +95,7 @@ class FireRun {
     terminal_.open();
     tell(fmt::format("session {}, rig {} on {}", request_.session, request_.rig.rig, request_.url));
     if (!request_.rig_remark.empty()) tell(request_.rig_remark);
+    if (!commissioned_.empty()) tell(commissioned_);
     if (runner_.taking_in())
       tell("looking for shots that earlier runs in this session left without a result");
     if (!request_.train_remark.empty()) loop_.notify(request_.train_remark);
@@ -218,6 +221,7 @@ class FireRun {
   }
 
   const FireRequest& request_;
+  const std::string& commissioned_;  ///< what a person should know of the rig's commissioning
   SessionFolder& folder_;
   Clock& clock_;
   StoredSeries stored_;
@@ -257,10 +261,13 @@ int run_fire(const FireRequest& request) {
       request.session, utc_for_file(clock.read().wall), request.rig.text, request.plan_text,
       {request.rig.camera.calibration.value_or(""), request.rig.calibration_text});
   if (!folder) return bad_input(folder.error().message);
+  const auto commissioned =
+      keep_commission_record(request.run.rig_file, request.rig, request.session, clock.read().wall);
+  if (!commissioned) return bad_input(commissioned.error().message);
   auto link = LcmLink::open(request.url, request.rig.rig);
   if (!link) return failed(link.error().message);
   catch_signals();
-  FireRun run(request, **folder, **link, clock, random_host_id());
+  FireRun run(request, *commissioned, **folder, **link, clock, random_host_id());
   auto photographs = open_pipeline(request.rig, request.photographs, request.session,
                                    run.loop().settings().host_id, run.loop().session().clock(), clock.read());
   if (!photographs) return bad_input(photographs.error().message);

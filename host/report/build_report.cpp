@@ -18,6 +18,7 @@ Report build_report(const ReportInput& input) {
   report.sections.push_back(results(content));
   report.sections.push_back(method(content));
   report.sections.push_back(set_up(content));
+  report.sections.push_back(commissioning(content));
   report.sections.push_back(figures(content));
   if (Section contact = contact_figures(content); !contact.blocks.empty())
     report.sections.push_back(std::move(contact));

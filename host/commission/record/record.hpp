@@ -25,7 +25,7 @@ struct RecordedStep {
 };
 
 struct Record {
-  bool torn = false;                 ///< the last line has no end
+  bool torn = false;                ///< the last line has no end
   std::vector<RecordedStep> steps;  ///< oldest first
   std::vector<std::string>
       remarks;  ///< a sentence for each line that is none, such as one that a power cut tore
@@ -39,6 +39,9 @@ std::string record_line(const RecordedStep& step);
 Record parse_record(std::string_view text);
 /// Reads the file; an absent one is empty. Fails with the file's name.
 Result<Record> read_record(const std::filesystem::path& path);
+
+/// What a session's folder calls its copy of the record.
+inline constexpr const char* kRecordInSession = "commission.jsonl";
 
 /// Where the record of this rig file is. rig_path: as given, not empty.
 std::filesystem::path record_path(const std::filesystem::path& rig_path,
@@ -65,7 +68,7 @@ struct Standing {
   std::string newest_utc;    ///< of any step
   double oldest_days = 0.0;  ///< of the oldest of the newest results
   std::vector<Line> lines;   ///< one for each step
-  std::string words;         ///< a sentence
+  std::string words;         ///< after "the rig is": "commissioned on 2026-11-23; failed: lamp_a"
 };
 /// infos: of all steps. The lines point into `record`.
 Standing standing(const Record& record, std::span<const StepInfo> infos, const host::RigFile& rig,

@@ -21,8 +21,7 @@ std::string list(const std::vector<std::string>& ids) {
 }
 
 std::string words_of(const Standing& standing) {
-  if (standing.state == Standing::State::absent)
-    return "the rig has not been commissioned: run `strobe commission`";
+  if (standing.state == Standing::State::absent) return "not commissioned";
   std::vector<std::string> failed, missing, changed, old;
   for (const Standing::Line& line : standing.lines) {
     if (line.step == nullptr) {
@@ -40,7 +39,7 @@ std::string words_of(const Standing& standing) {
   if (!changed.empty()) text += "; before the rig file's change: " + list(changed);
   if (!old.empty()) text += "; too old: " + list(old);
   if (!missing.empty()) text += "; never done: " + list(missing);
-  return text + (standing.state == Standing::State::good ? "" : ": run `strobe commission`");
+  return text;
 }
 
 }  // namespace

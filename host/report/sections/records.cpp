@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "host/commission/record/record.hpp"
 #include "host/report/model/hashes.hpp"
 #include "host/report/sections/parts.hpp"
 #include "host/report/sections/sections.hpp"
@@ -36,6 +37,9 @@ Table files_of(const host::StoredSession& session, const std::string& key) {
   add_text(table, session.plan_text, "plan", "plan.toml");
   add_text(table, session.rig.calibration_text, "calibration",
            session.rig.camera.calibration.value_or("camera.toml"));
+  std::error_code error;
+  if (const fs::path record = session.folder / commission::kRecordInSession; fs::exists(record, error))
+    add_file(table, session.folder, record, "record of commissioning");
   std::set<fs::path> known;
   for (const host::StoredShot& shot : session.shots) {
     const auto add_once = [&](const fs::path& file, const char* what) {

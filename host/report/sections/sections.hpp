@@ -1,4 +1,4 @@
-// The parts of a report, in their order. All but photographs() and records(), which read the session's files, are pure;
+// The parts of a report, in their order. All but commissioning(), photographs() and records(), which read the session's files, are pure;
 // thread-safe.
 #pragma once
 
@@ -17,6 +17,8 @@ Section results(const Content& content);
 Section method(const Content& content);
 /// Rig, ball, camera and its calibration, runs.
 Section set_up(const Content& content);
+/// What proved the rig: the record of commissioning that the session keeps.
+Section commissioning(const Content& content);
 /// Of the session's own data.
 Section figures(const Content& content);
 /// The images in contact; a section without blocks where there are none, or no thesis to set them beside.

@@ -104,17 +104,17 @@ TEST(CommissionRecord, StandsWhereAllHasPassedOnThisRigFile) {
 
 TEST(CommissionRecord, TellsWhatFailedIsMissingIsOldOrCameBeforeAChange) {
   const Record bad = whole(StepState::failed);
-  CHECK_EQUAL("commissioned on 2026-11-23; failed: lamp_a: run `strobe commission`",
+  CHECK_EQUAL("commissioned on 2026-11-23; failed: lamp_a",
               standing(bad, kInfos, rig, day()).words);
   Record half = whole();
   half.steps.pop_back();
-  CHECK_EQUAL("commissioned on 2026-11-23; never done: shutter: run `strobe commission`",
+  CHECK_EQUAL("commissioned on 2026-11-23; never done: shutter",
               standing(half, kInfos, rig, day()).words);
   const Record record = whole();
   CHECK_TRUE(standing(record, kInfos, rig, day(30)).state == State::good);
-  CHECK_EQUAL("commissioned on 2026-11-23; too old: lamp_a, shutter: run `strobe commission`",
+  CHECK_EQUAL("commissioned on 2026-11-23; too old: lamp_a, shutter",
               standing(record, kInfos, rig, day(31)).words);
-  CHECK_EQUAL("commissioned on 2026-11-23; before the rig file's change: shutter: run `strobe commission`",
+  CHECK_EQUAL("commissioned on 2026-11-23; before the rig file's change: shutter",
               standing(record, kInfos, rig_of(replaced(kRig, "lag_ms = 45", "lag_ms = 46")), day()).words);
 }
 
