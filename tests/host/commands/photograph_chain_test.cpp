@@ -140,6 +140,36 @@ TEST(PhotographChain, TakesAPersonsCorrections) {
   }
 }
 
+TEST(PhotographChain, TakesTheSurfaceLineFromAPerson) {
+  photograph(folder, "a", "zero_34", 1);
+  const std::vector<std::string> words{shot("a"), "--period-ms", "3", "--effort", "fast"};
+  const json before = parse_json_lines(run_program("strobe", digitize(words)).out).at(0);
+  const json line = before.at("surface_px");
+  const json &left = line.front(), &right = line.back();
+  write_text(
+      folder / "edit.toml",
+      fmt::format("[surface]\nleft_px = [{}, {}]\nright_px = [{}, {}]\nsd_px = 0.75\n", left[0].get<double>(),
+                  left[1].get<double>() + 1.0, right[0].get<double>(), right[1].get<double>() + 1.0));
+  const Run edited = run_program("strobe", digitize(with(words, {"--edit", folder / "edit.toml"})));
+  CHECK_TEXT(edited.code == 0, edited.err.c_str());
+  const json after = parse_json_lines(edited.out).at(0);
+  CHECK_EQUAL("hand", after.at("surface_source").get<std::string>());
+  CHECK_FALSE(before.contains("surface_source"));
+  DOUBLES_EQUAL(left[1].get<double>() + 1.0, after.at("surface_px").at(0).at(1).get<double>(), 0.0);
+  DOUBLES_EQUAL(0.75, after.at("surface_sd_px").get<double>(), 0.0);
+  LONGS_EQUAL(before.at("images").size(), after.at("images").size());
+  // A pixel is 0.67 mm at 6.7 m/s: touchdown comes a tenth of a millisecond earlier, lift-off later by as much.
+  const auto dwell_ms = [&](const std::string& frame) {
+    write_text(folder / "frame.jsonl", frame);
+    const Run reduced =
+        run_program("strobe", {"reduce", folder / "frame.jsonl", "--format", "frame", "--json"});
+    CHECK_TEXT(reduced.code == 0, reduced.err.c_str());
+    return parse_json_lines(reduced.out).at(0).at("dwell_time_ms").get<double>();
+  };
+  const double longer_ms = dwell_ms(after.dump()) - dwell_ms(before.dump());
+  CHECK_TEXT(longer_ms > 0.1 && longer_ms < 0.4, fmt::format("{}", longer_ms).c_str());
+}
+
 TEST(PhotographChain, SaysWhyAPlaceIsNoBall) {
   photograph(folder, "a", "photo_blobs", 1);
   const Run found = run_program("strobe", digitize({shot("a"), "--effort", "fast", "--explain"}));
