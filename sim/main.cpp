@@ -247,6 +247,17 @@ int main(int argc, char** argv) {
   std::string after;
   drive->add_option("--after", after, "LINE=N: at the line's Nth rise from now (default: at once)");
 
+  std::vector<std::string> obeyed;
+  CLI::App* obey =
+      app.add_subcommand("operator", "Do at a running rig what strobe commission asks a person for");
+  obey->footer(
+      "Turns the key, presses the e-stop and pulls their wires when the command's standard error asks for "
+      "it. "
+      "Whatever else a person would have to judge is left to --yes.\n"
+      "Example: strobe-sim operator --chip-dir /tmp/chip -- strobe commission --rig rig.toml --yes");
+  obey->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
+  obey->add_option("command", obeyed, "Command and its arguments, after --")->required();
+
   CLI::App* unplug = app.add_subcommand("unplug", "Unplug a running rig's chip");
   unplug->footer(
       "Every further call on it answers \"no such device\", and event lines hang up. A chip that keeps "
@@ -279,6 +290,7 @@ int main(int argc, char** argv) {
   if (app.got_subcommand("board")) return sim::board_command(boards);
   if (lines->parsed()) return sim::lines_command(chip_dir, json);
   if (drive->parsed()) return sim::drive_command(chip_dir, drives, after);
+  if (obey->parsed()) return sim::operator_command(chip_dir, obeyed);
   if (unplug->parsed()) return sim::unplug_command(chip_dir, after);
   if (fit->parsed()) return sim::fit_command(tables, folder, json);
   return sim::run_command(options);

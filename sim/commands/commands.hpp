@@ -100,6 +100,10 @@ int drive_command(const std::string& chip_dir, const std::vector<std::string>& d
                   const std::string& after);
 int lines_command(const std::string& chip_dir, bool json);
 
+/// Runs a command, and turns the key, presses the e-stop and pulls wires of the chip as it asks for on standard error (the
+/// words of `strobe commission`), which is passed on. Its exit status is, too.
+int operator_command(const std::string& chip_dir, const std::vector<std::string>& command);
+
 /// Unplugs the chip: at once, or after the N-th rising edge of a line (`after` is LINE=N).
 int unplug_command(const std::string& chip_dir, const std::string& after);
 

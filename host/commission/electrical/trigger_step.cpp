@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "host/commission/core/shot_collector.hpp"
 #include "host/commission/electrical/train_plan.hpp"
 
 namespace strobe::commission {
@@ -12,7 +14,7 @@ namespace {
 using strobe_msgs::event_t;
 
 constexpr const char* kTriggerId = "trigger";
-constexpr int kTriggerFlashes = 50;
+constexpr int kTriggerFlashes = 50;  // of the exposure's length; one is fired
 /// The loop's own lateness; a pulse that the line held longer is another thing.
 constexpr double kPulseTolerance_ms = 2.0;
 
@@ -31,12 +33,15 @@ std::string TriggerStep::briefing(const host::RigFile&) const {
 }
 
 void TriggerStep::begin(const Situation& situation) {
-  Fire fire;
-  fire.plan = dry_train(situation.rig, Lamps::both, kTriggerFlashes);
-  fire.plan.dry = false;
-  fire.words = "the machine's trigger, once";
-  fire.readout = false;
-  shots_ = ShotCollector({fire});
+  fire_ = {};
+  fire_.plan = dry_train(situation.rig, Lamps::both, kTriggerFlashes);
+  fire_.plan.code.resize(1);
+  fire_.plan.dry = false;
+  fire_.words = "the machine's trigger, once";
+  fire_.readout = false;
+  shot_.reset();
+  repeated_ = 0;
+  problem_.clear();
   pulses_.clear();
   heard_.reset();
 }
@@ -45,32 +50,44 @@ void TriggerStep::on_event(const event_t& event, HostTime) {
   if (event.kind == event_t::TRIGGER) pulses_.push_back(event);
 }
 
+int TriggerStep::rises(const strobe_msgs::shot_t& shot) const {
+  return static_cast<int>(std::ranges::count_if(pulses_, [&](const event_t& event) {
+    return event.boot_id == shot.boot_id && event.shot_id == shot.shot_id && event.level == 1;
+  }));
+}
+
+/// A shot that was aborted before the trigger's pulse is fired again; no other is: it clicks once.
+void TriggerStep::on_shot(FiredShot fired) {
+  if (!fired.shot.aborted || rises(fired.shot) > 0) {
+    shot_ = std::move(fired.shot);
+  } else if (++repeated_ > ShotCollector::kRetries) {
+    problem_ = "the shot was aborted: " + fired.shot.abort_reason;
+  }
+}
+
 Request TriggerStep::step(const Situation& situation) {
-  if (const Fire* const wanted = shots_.next()) return *wanted;
-  if (!shots_.problem().empty())
-    return Done{
-        {failed(kTriggerId, "no_shot", shots_.problem(), "mend what it names, and run the step again")}};
+  if (!problem_.empty())
+    return Done{{failed(kTriggerId, "no_shot", problem_, "mend what it names, and run the step again")}};
+  if (!shot_) return fire_;
   if (!heard_ && situation.attended) return Ask{"Did the machine's trigger click exactly once?"};
   return Done{{judge(situation)}};
 }
 
 StepResult TriggerStep::judge(const Situation& situation) const {
-  const strobe_msgs::shot_t& shot = shots_.shots().back().shot;
-  int rises = 0;
+  const int pulses = rises(*shot_);
   std::int64_t on_ns = 0, off_ns = 0;
   for (const event_t& event : pulses_) {
-    if (event.boot_id != shot.boot_id || event.shot_id != shot.shot_id) continue;
-    rises += event.level == 1;
+    if (event.boot_id != shot_->boot_id || event.shot_id != shot_->shot_id) continue;
     (event.level == 1 ? on_ns : off_ns) = event.device_time_ns;
   }
   const double width_ms = 1e-6 * static_cast<double>(off_ns - on_ns);
   const double wanted_ms = 1e3 * situation.rig.machine_pulse_s.value_or(0.0);
   StepResult result;
   result.id = kTriggerId;
-  if (rises != 1 || off_ns <= on_ns) {
-    result =
-        failed(kTriggerId, "trigger_line", fmt::format("the trigger's line rose {} times in the shot", rises),
-               "run `strobed --check`, and look at the session's journal");
+  if (pulses != 1 || off_ns <= on_ns) {
+    result = failed(kTriggerId, "trigger_line",
+                    fmt::format("the trigger's line rose {} times in the shot", pulses),
+                    "run `strobed --check`, and look at the session's journal");
   } else if (std::abs(width_ms - wanted_ms) > kPulseTolerance_ms) {
     result = failed(
         kTriggerId, "trigger_pulse",
@@ -89,7 +106,7 @@ StepResult TriggerStep::judge(const Situation& situation) const {
   result.value = width_ms;
   result.unit = "ms";
   result.limit = fmt::format("one pulse of {:.1f} ms", wanted_ms);
-  result.figures = {{"pulses", static_cast<double>(rises), {}, 1.0, 0},
+  result.figures = {{"pulses", static_cast<double>(pulses), {}, 1.0, 0},
                     {"pulse_ms", width_ms, {}, wanted_ms, 0}};
   return result;
 }

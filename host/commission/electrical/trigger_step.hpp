@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "host/commission/core/shot_collector.hpp"
 #include "host/commission/core/step.hpp"
 
 namespace strobe::commission {
@@ -16,14 +15,18 @@ class TriggerStep final : public Step {
   void begin(const Situation& situation) override;
   Request step(const Situation& situation) override;
   void on_event(const strobe_msgs::event_t& event, HostTime now) override;
-  void on_shot(FiredShot shot) override { shots_.add(std::move(shot)); }
-  void on_no_shot(const std::string& why) override { shots_.give_up(why); }
+  void on_shot(FiredShot shot) override;
+  void on_no_shot(const std::string& why) override { problem_ = why; }
   void on_answer(bool yes) override { heard_ = yes; }
 
  private:
   StepResult judge(const Situation& situation) const;
+  int rises(const strobe_msgs::shot_t& shot) const;
 
-  ShotCollector shots_;
+  Fire fire_;
+  std::optional<strobe_msgs::shot_t> shot_;
+  int repeated_ = 0;
+  std::string problem_;
   std::vector<strobe_msgs::event_t> pulses_;
   std::optional<bool> heard_;  ///< the click; absent: not asked yet
 };

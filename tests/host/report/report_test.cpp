@@ -8,6 +8,7 @@
 #include "common/config/files.hpp"
 #include "common/image/image_files.hpp"
 #include "common/image/opencv.hpp"
+#include "host/commission/record/record.hpp"
 #include "host/report/build_report.hpp"
 #include "host/report/html/render_html.hpp"
 #include "host/report/model/hashes.hpp"
@@ -132,6 +133,36 @@ TEST(Report, LoadsNothingAndRunsNothing) {
   STRCMP_CONTAINS("default-src 'none'", policy.c_str());
   STRCMP_CONTAINS(("style-src '" + policy_hash(parsed.style) + "'").c_str(), policy.c_str());
   CHECK(parsed.style.find("url(") == std::string::npos);
+}
+
+TEST(Report, TellsOfARigThatNobodyCommissioned) {
+  const json report = json_of(build_report(input_of(made_session())));
+  CHECK_EQUAL("The rig is not commissioned.",
+              report["sections"]["commissioning"]["texts"]["standing"].get<std::string>());
+}
+
+TEST(Report, HoldsTheRecordOfCommissioningAndItsDoubts) {
+  testing::TemporaryFolder folder;
+  host::StoredSession session = made_session();
+  session.folder = folder.path();
+  commission::RecordedStep step{"2026-11-20T10:00:00.000Z", "a@b", "1", "bench", "", "lamp A alone", {}};
+  step.result.id = "lamp_a";
+  step.result.state = commission::StepState::failed;
+  step.result.value = 17.25;
+  step.result.sd = 0.5;
+  step.result.unit = "us";
+  step.result.words = "lamp A <b>jitters</b>";
+  testing::write_text(folder / commission::kRecordInSession, commission::record_line(step));
+  const Report report = build_report(input_of(std::move(session)));
+  const json section = json_of(report)["sections"]["commissioning"];
+  const std::string standing = section["texts"]["standing"].get<std::string>();
+  CHECK_TEXT(
+      standing.starts_with("The rig is commissioned on 2026-11-20; failed: lamp_a; never done: firmware, "),
+      standing.c_str());
+  const std::string shown = text_of(report);
+  CHECK(shown.find("lamp A <b>jitters</b>") != std::string::npos);
+  CHECK(shown.find("17.25") != std::string::npos);
+  CHECK(shown.find("record of commissioning") != std::string::npos);
 }
 
 TEST(Report, TellsWhatIsNotStatedAndListsIt) {
