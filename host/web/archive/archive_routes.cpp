@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
-#include <ranges>
 
 #include "host/config/notes.hpp"
 #include "host/series/compare.hpp"

@@ -1,7 +1,6 @@
 #include "host/web/archive/live_shots.hpp"
 
 #include <algorithm>
-#include <ranges>
 
 #include "host/archive/photograph_files.hpp"
 
@@ -16,6 +15,10 @@ LiveShots::Heard& LiveShots::heard_of(const ShotKey& key) {
 
 void LiveShots::on_shot(const strobe_msgs::shot_t& shot) {
   if (shot.plan.dry || !own_(shot.host_id)) return;
+  {
+    const std::lock_guard lock(mutex_);
+    if (heard_of({shot.boot_id, shot.shot_id}).summary) return;  // it comes more than once
+  }
   auto copy = std::optional(shot);
   const std::lock_guard lock(mutex_);
   heard_of({shot.boot_id, shot.shot_id}).summary.swap(copy);
@@ -49,9 +52,10 @@ std::optional<host::StoredShot> LiveShots::find(const ShotKey& key) const {
 
 std::optional<ShotKey> LiveShots::newest_numbered(int shot_id) const {
   const std::lock_guard lock(mutex_);
-  for (const Heard& heard : std::views::reverse(newest_))
-    if (heard.key.shot_id == shot_id && heard.result) return heard.key;
-  return std::nullopt;
+  const auto found = std::find_if(newest_.rbegin(), newest_.rend(), [shot_id](const Heard& heard) {
+    return heard.key.shot_id == shot_id && heard.result;
+  });
+  return found == newest_.rend() ? std::nullopt : std::optional(found->key);
 }
 
 }  // namespace strobe::web
