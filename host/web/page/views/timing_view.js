@@ -34,6 +34,10 @@ function content({ timing, clock, rejected, unverified }) {
   const known = TIMINGS.filter(({ key }) => timing?.[key]?.n > 0);
   const ignored = [...counts(rejected, "commands ignored"), ...counts(unverified, "packets ignored")];
   return [
+    known.length > 0 &&
+      quiet(
+        "In microseconds, since the firmware started. Heights are logarithmic; the first and the last bar also count what lies beyond them.",
+      ),
     known.length === 0
       ? quiet("No flash was fired yet since the firmware started.")
       : h(
@@ -60,7 +64,7 @@ function section({ title, words }, values) {
     "section",
     { class: "timing" },
     h("h2", {}, title),
-    h("p", { class: "quiet" }, `${words}; microseconds, heights logarithmic`),
+    h("p", { class: "quiet" }, `${words[0].toUpperCase()}${words.slice(1)}.`),
     histogram(values),
     h("p", {}, spread(values)),
   );

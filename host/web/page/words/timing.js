@@ -6,7 +6,7 @@ export const TIMINGS = [
   {
     key: "lateness_us",
     title: "Lateness of a flash's pulse",
-    words: "from the commanded instant to the end of the call that set the line",
+    words: "from the commanded instant to the call that sets the line",
   },
   {
     key: "issue_us",
@@ -16,10 +16,18 @@ export const TIMINGS = [
   {
     key: "skew_us",
     title: "Lamp A against lamp B",
-    words: "light of A less light of B, flashes of both lamps",
+    words: "light of A less light of B, of flashes that both sensors saw",
   },
-  { key: "lamp_delay_a_us", title: "Delay of lamp A", words: "from the pulse to its light" },
-  { key: "lamp_delay_b_us", title: "Delay of lamp B", words: "from the pulse to its light" },
+  {
+    key: "lamp_delay_a_us",
+    title: "Delay of lamp A",
+    words: "from the call's end to the light that the sensor saw",
+  },
+  {
+    key: "lamp_delay_b_us",
+    title: "Delay of lamp B",
+    words: "from the call's end to the light that the sensor saw",
+  },
   {
     key: "period_error_us",
     title: "Error of the intervals between flashes",
