@@ -98,7 +98,7 @@ export function createFields(model) {
   const hint = h("p", { class: "edit-hint" });
   const image = imageFields(model);
   const surface = surfaceFields(model);
-  const removing = button("Remove it", () => model.remove(), { key: "Delete", name: "Remove this image" });
+  const removing = button("Remove", () => model.remove(), { key: "Delete", name: "Remove this image" });
   const restoring = button("As it was found", () => (model.surfaceChosen() ? model.setSurface(null) : model.restore()));
   const element = h("section", { class: "edit-chosen", "aria-label": "What is chosen" }, heading, hint, image.element, surface.element,
     h("div", { class: "edit-buttons" }, removing, restoring));

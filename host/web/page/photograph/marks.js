@@ -22,8 +22,8 @@ function createMark(key) {
   const cross = [...twice("line"), ...twice("line")];
   const ellipse = svg("ellipse", { class: "photograph-ellipse" });
   const focus = svg("circle", { class: "photograph-focus" });
-  const tag = svg("text", { class: "photograph-tag", "aria-hidden": "true" });
-  const element = svg("g", { role: "button", tabindex: "0", "data-key": key }, focus, ...outline, ...equator, ellipse, ...cross, tag);
+  const tag = svg("text", { class: "photograph-tag" });
+  const element = svg("g", { role: "button", tabindex: "0", "data-key": key }, focus, ...outline, ...equator, ellipse, ...cross);
 
   function drawEquator(image) {
     const seen = image.equator_rad !== null && image.equator_rad !== undefined && image.diameter_px > 0;
@@ -48,6 +48,7 @@ function createMark(key) {
     if (tag.textContent !== words) tag.textContent = words;
     setAttributes(tag, { x: cx, y: cy - 12 / scale });
     tag.style.fontSize = `${15 / scale}px`;
+    tag.classList.toggle("is-removed", status === "removed");
     element.classList.remove(...legClasses);
     element.classList.add("photograph-image", legClass(image));
     element.classList.toggle("is-unused", image.used === false);
@@ -57,7 +58,7 @@ function createMark(key) {
     setAttributes(element, { "aria-pressed": selected ? "true" : "false",
       "aria-label": accessibleName(image) + (status === "removed" ? ", removed" : "") });
   }
-  return { element, update };
+  return { element, tag, update };
 }
 
 /// group: an SVG group in the photograph's coordinates.
@@ -65,7 +66,8 @@ export function createMarks(group, photo) {
   const surface = twice("line");
   const images = svg("g", { class: "photograph-images" });
   const hatched = svg("g");
-  group.append(...surface, images, hatched);
+  const tags = svg("g", { "aria-hidden": "true" });
+  group.append(...surface, images, hatched, tags);
   const drawPlaces = createPlaces(hatched);
   const marks = new Map();
   let shown = { items: [], places: [], surface_px: null, selected: null, enlarged: 1, editing: false };
@@ -81,12 +83,14 @@ export function createMarks(group, photo) {
     for (const [key, mark] of marks) {
       if (keys.has(key)) continue;
       mark.element.remove();
+      mark.tag.remove();
       marks.delete(key);
     }
     shown.items.forEach((item, position) => {
       if (!marks.has(item.key)) marks.set(item.key, createMark(item.key));
       const mark = marks.get(item.key);
       mark.update({ ...item, selected: item.key === shown.selected, enlarged: shown.enlarged, scale });
+      if (!mark.tag.parentNode) tags.append(mark.tag);
       if (images.children[position] === mark.element) return;
       const focused = document.activeElement === mark.element;
       images.insertBefore(mark.element, images.children[position] ?? null);
