@@ -1,4 +1,6 @@
 // strobe: the host's commands.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <csignal>
@@ -11,6 +13,7 @@
 #include "common/command_line/complaint.hpp"
 #include "common/command_line/help.hpp"
 #include "host/commands/command.hpp"
+#include "host/web/http/worker.hpp"
 
 namespace {
 
@@ -74,12 +77,18 @@ int finish_output(int exit_status) {
   return exit_status == strobe::host::kDone ? failed : exit_status;
 }
 
+/// What a viewer of the page asked for may still be computed, with what ending in order would take from under it.
+int end(int exit_status) {
+  if (strobe::web::work_left_behind()) _exit(exit_status);
+  return exit_status;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is told like a full disk
   try {
-    return finish_output(run(argc, argv));
+    return end(finish_output(run(argc, argv)));
   } catch (const std::bad_alloc&) {
     return strobe::host::failed("there is not enough memory");
   } catch (const std::exception& error) {

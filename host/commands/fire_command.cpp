@@ -125,6 +125,7 @@ Result<FireRequest> request_of(const FireOptions& options) {
   if (options.angle_deg) request.condition = thesis_condition(options.spin, *options.angle_deg);
   request.style = Terminal::style(options.json, options.plain);
   request.all = options.all;
+  request.web = options.web;
   return request;
 }
 
@@ -185,13 +186,14 @@ void add_fire_command(CLI::App& app, int& exit_status) {
                     "one JSON object per readout on standard output, nothing else there");
   command->add_flag("--plain", options->plain, "lines of text instead of a screen");
   command->add_flag("--all", options->all, kAllHelp);
-  command_line::for_experts(
-      *command, {"--spacing", "--effort", "--lcm-url", "--key-file", "--wait", "--clear-fault", "--all"});
+  add_web_options(*command, options->web);
+  command_line::for_experts(*command, {"--spacing", "--effort", "--lcm-url", "--key-file", "--wait",
+                                       "--clear-fault", "--all", "--web-files"});
   command->footer(
       "Ctrl-C finishes the shot under way and ends; a second one aborts it. Ctrl-\\ aborts it at once.\n"
       "Example: strobe fire --rig rig.toml --session run1 --shots 9 --spin zero --angle 23 --note "
       "operator=\"A. Author\"\n"
-      "         strobe fire --session run1 --resume\n"
+      "         strobe fire --session run1 --resume --web\n"
       "Exit status: 0 all shots counted, 1 some did not, 2 bad usage or input.");
   command->callback([options, &exit_status] {
     options->command = words_of_command_line();

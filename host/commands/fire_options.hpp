@@ -7,6 +7,7 @@
 
 #include "common/result.hpp"
 #include "host/commands/photograph_options.hpp"
+#include "host/commands/web_page.hpp"
 #include "host/session/run_record.hpp"
 
 namespace strobe::host {
@@ -18,6 +19,7 @@ struct FireOptions {
   std::optional<int> shots, until, retries;
   double wait_s = 60.0;
   PhotographOptions photographs;
+  WebOptions web;
   bool dry = false, json = false, plain = false, clear_fault = false, resume = false, all = false;
   std::vector<std::string> command;  ///< as typed
 };

@@ -8,6 +8,7 @@
 #include "host/commands/shot_text.hpp"
 #include "host/loop/stored_series.hpp"
 #include "host/messages/lcm_link.hpp"
+#include "host/web/live/live_feed.hpp"
 
 namespace strobe::host {
 namespace {
@@ -54,14 +55,15 @@ class ActivityNotes {
 /// What a person reads of a series tells what its shots share.
 AssemblySettings assembly_of(const FireRequest& request) {
   AssemblySettings settings = assembly_settings(request.rig);
-  settings.budgets = request.style != Terminal::Style::json;
+  settings.budgets = request.style != Terminal::Style::json || request.web.on;
   return settings;
 }
 
 class FireRun {
  public:
+  /// page: null: none.
   FireRun(const FireRequest& request, const std::string& commissioned, SessionFolder& folder, Transport& link,
-          Clock& clock, std::int64_t host_id)
+          Clock& clock, std::int64_t host_id, WebPage* page)
       : request_(request),
         commissioned_(commissioned),
         folder_(folder),
@@ -80,6 +82,7 @@ class FireRun {
     terminal_.model().thesis = request.condition;
     terminal_.model().all = request.all;
     runner_.set_on_begin([this] { record_run(); });
+    if (page) serve(*page, clock);
   }
 
   HostLoop& loop() { return loop_; }
@@ -102,6 +105,7 @@ class FireRun {
     bool receiving = true;
     while (!runner_.finished() && (receiving = stored_.run_once())) {
       heed_signals();
+      heed_page();
       check_output();
       check_key();
       show();
@@ -109,6 +113,7 @@ class FireRun {
     if (!receiving) loop_.notify("LCM cannot receive any more");
     loop_.end_photographs();
     stored_.close();
+    show();  // on the page, too: how it ended
     report_missing_events();
     terminal_.close();
     return conclude();
@@ -143,19 +148,48 @@ class FireRun {
     const int asked = ends_asked_for();
     if (asked == heeded_) return;
     heeded_ = asked;
-    interrupted_ = true;
-    if (asked == 1 && runner_.firing() && runner_.series().shot_under_way()) {
+    if (asked == 1) return end_after_shot("interrupted");
+    loop_.notify("stopping at once");
+    end_at_once("interrupted");
+  }
+
+  void end_after_shot(const std::string& why) {
+    ended_by_ = why;
+    if (runner_.firing() && runner_.series().shot_under_way()) {
       loop_.notify(fmt::format("finishing shot {}; press Ctrl-C again to stop at once",
                                runner_.series().shot_number()));
-      return runner_.end_after_shot("interrupted");
+      return runner_.end_after_shot(why);
     }
-    if (asked == 1) {
-      loop_.notify(runner_.stop() ? "interrupted: disarming"
-                                  : "fetching lost events; press Ctrl-C again to stop at once");
-      return;
-    }
-    loop_.notify("stopping at once");
+    loop_.notify(runner_.stop() ? why + ": disarming"
+                                : "fetching lost events; press Ctrl-C again to stop at once");
+  }
+
+  void end_at_once(const std::string& why) {
+    ended_by_ = why;
     runner_.stop_at_once();
+  }
+
+  void serve(WebPage& page, Clock& clock) {
+    feed_.emplace(page.channel(), clock);
+    feed_->show_only([this](std::int64_t host) { return shown(host); });
+    loop_.add_listener(*feed_);
+    loop_.set_wake_descriptor(page.channel().descriptor());
+    terminal_.model().title += "   page " + page.url();
+    terminal_.on_notification(page.words());
+  }
+
+  /// Stopping does as the first Ctrl-C, disarming as the second.
+  void heed_page() {
+    if (!feed_) return;
+    for (const web::LiveCommand& command : feed_->take_commands()) {
+      if (command.kind == web::LiveCommand::Kind::disarm) {
+        loop_.notify("disarmed from the page by " + command.from);
+        end_at_once("disarmed from the page");
+      } else if (ended_by_.empty()) {
+        loop_.notify("stopped from the page by " + command.from);
+        end_after_shot("stopped from the page");
+      }
+    }
   }
 
   /// Readouts that nobody gets are no reason to throw on.
@@ -181,6 +215,9 @@ class FireRun {
       terminal_.note(fmt::format("fetching {} events that were lost on the way", missing_events()));
     }
     terminal_.show(loop_);
+    if (!feed_) return;
+    const bool can_stop = ended_by_.empty() && (runner_.firing() || runner_.taking_in());
+    feed_->step(loop_, terminal_.model(), {series.good(), request_.series.shots, can_stop});
   }
 
   std::int64_t missing_events() const { return loop_.session().ledger().missing(); }
@@ -207,7 +244,7 @@ class FireRun {
                     request_.series.shots == 1 ? "shot" : "shots", dry ? "fired dry" : "counted",
                     series.refired(), request_.session);
     std::string problem = series.succeeded() ? "" : series.blocking_reason();
-    if (interrupted_ && !series.succeeded()) problem = "interrupted";
+    if (!ended_by_.empty() && !series.succeeded()) problem = ended_by_;
     for (const std::string& line : stored_.unstored()) problem += (problem.empty() ? "" : "; ") + line;
     if (series.succeeded() && problem.empty()) {
       std::fprintf(stderr, "strobe: %s\n", summary.c_str());
@@ -229,8 +266,9 @@ class FireRun {
   SeriesRunner& runner_;
   Terminal terminal_;
   ShotText shot_text_;
+  std::optional<web::LiveFeed> feed_;
   int heeded_ = 0;  ///< of ends_asked_for()
-  bool interrupted_ = false;
+  std::string ended_by_;  ///< why the series ends before its time; empty: it does not
   bool recorded_ = false;  ///< there is a run to go on with
   KeyCheck key_;
   ActivityNotes activity_;
@@ -256,6 +294,9 @@ int run_fire(const FireRequest& request) {
                  request.session.c_str(), request.series.counted, request.series.shots);
     return kDone;
   }
+  auto page = WebPage::open(
+      request.web, {"fire", request.run.version, request.rig.rig, session_name(request.session), false, request.condition});
+  if (!page) return bad_input(page.error().message);
   MachineClock clock;
   auto folder = SessionFolder::open(
       request.session, utc_for_file(clock.read().wall), request.rig.text, request.plan_text,
@@ -267,7 +308,7 @@ int run_fire(const FireRequest& request) {
   auto link = LcmLink::open(request.url, request.rig.rig);
   if (!link) return failed(link.error().message);
   catch_signals();
-  FireRun run(request, *commissioned, **folder, **link, clock, random_host_id());
+  FireRun run(request, *commissioned, **folder, **link, clock, random_host_id(), page->get());
   auto photographs = open_pipeline(request.rig, request.photographs, request.session,
                                    run.loop().settings().host_id, run.loop().session().clock(), clock.read());
   if (!photographs) return bad_input(photographs.error().message);

@@ -8,6 +8,7 @@
 #include "common/authentication/key.hpp"
 #include "common/data/thesis_data.hpp"
 #include "host/commands/terminal.hpp"
+#include "host/commands/web_page.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/photographs/open_pipeline.hpp"
 #include "host/session/run_record.hpp"
@@ -31,6 +32,7 @@ struct FireRequest {
   std::optional<thesis::Condition> condition;
   Terminal::Style style = Terminal::Style::plain;
   bool all = false;  ///< show experts' numbers as well
+  WebOptions web;
 };
 
 /// Returns the exit status.

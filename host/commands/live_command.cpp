@@ -12,10 +12,12 @@
 #include "host/commands/command.hpp"
 #include "host/commands/photograph_options.hpp"
 #include "host/commands/terminal.hpp"
+#include "host/commands/web_page.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/loop/host_loop.hpp"
 #include "host/messages/lcm_link.hpp"
 #include "host/view/timing.hpp"
+#include "host/web/live/live_feed.hpp"
 
 namespace strobe::host {
 namespace {
@@ -32,6 +34,7 @@ struct LiveOptions {
   bool all = false;
   int shots = 0;
   double idle_exit_s = 0.0;
+  WebOptions web;
 };
 
 /// Prints the timing after each shot, as the first heartbeat after it tells: it counts the shot's flashes.
@@ -82,13 +85,42 @@ class MissingNotes {
   HostTime since_;
 };
 
+/// The page beside the terminal: told what happens, heard when it asks.
+class PageOfLive {
+ public:
+  PageOfLive(WebPage& page, HostLoop& loop, Clock& clock) : feed_(page.channel(), clock), loop_(loop) {
+    loop.add_listener(feed_);
+    loop.set_wake_descriptor(page.channel().descriptor());
+  }
+
+  void step(const ViewModel& model) {
+    for (const web::LiveCommand& command : feed_.take_commands()) {
+      if (command.kind == web::LiveCommand::Kind::disarm) disarm(command.from);
+    }
+    feed_.step(loop_, model, {model.series.counted(), std::nullopt, false});
+  }
+
+ private:
+  void disarm(const std::string& from) {
+    const auto& status = loop_.session().status();
+    if (!status) return loop_.notify("cannot be disarmed, as the page asks: no firmware heard");
+    loop_.send(loop_.commands().disarm(status->boot_id));
+    loop_.notify("disarmed from the page by " + from);
+  }
+
+  web::LiveFeed feed_;
+  HostLoop& loop_;
+};
+
 /// Returns false if nothing can be received any more.
-bool watch(HostLoop& loop, Terminal& terminal, TimingReport* timing, const LiveOptions& options) {
+bool watch(HostLoop& loop, Terminal& terminal, TimingReport* timing, PageOfLive* page,
+           const LiveOptions& options) {
   const Duration idle = from_seconds(options.idle_exit_s);
   MissingNotes missing;
   while (!interrupted()) {
     if (!loop.run_once()) return false;
     terminal.show(loop);
+    if (page) page->step(terminal.model());
     if (timing) timing->step();
     if (terminal.output_problem()) break;
     if (const auto note = missing.update(terminal.model().events_missing, loop.now())) terminal.note(*note);
@@ -105,8 +137,10 @@ int run_live(const LiveOptions& options) {
   const std::string url = lcm_url(options.url, *rig);
   const auto key = authentication::find_key({options.key_file, rig->key_file.value_or("")});
   HostLoopSettings settings{rig->rig, assembly_settings(*rig), random_host_id()};
-  settings.assembly.budgets = !options.json;
+  settings.assembly.budgets = !options.json || options.web.on;
   if (key && !options.unverified) settings.key = key->key;
+  auto page = WebPage::open(options.web, {"live", STROBE_VERSION, rig->rig, std::nullopt});
+  if (!page) return bad_input(page.error().message);
   MachineClock clock;
   auto link = LcmLink::open(url, rig->rig);
   if (!link) return failed(link.error().message);
@@ -120,6 +154,11 @@ int run_live(const LiveOptions& options) {
                     fmt::format("strobe live   rig {}", rig->rig), options.shots);
   terminal.model().all = options.all;
   loop.add_listener(terminal);
+  std::optional<PageOfLive> beside;
+  if (*page) {
+    beside.emplace(**page, loop, clock);
+    terminal.on_notification((*page)->words());
+  }
   terminal.open();
   TimingReport timing(loop, terminal, options.json);
   const bool with_timing = options.timing && !terminal.owns_screen();
@@ -131,7 +170,7 @@ int run_live(const LiveOptions& options) {
     loop.notify("unverified: anybody's messages are shown, and what is lost on the way cannot be asked for" +
                 (key ? "" : ": " + key.error().message));
   }
-  const bool receiving = watch(loop, terminal, with_timing ? &timing : nullptr, options);
+  const bool receiving = watch(loop, terminal, with_timing ? &timing : nullptr, beside ? &*beside : nullptr, options);
   terminal.close();
   if (!receiving) return failed("LCM cannot receive any more");
   if (!options.json && terminal.model().series.counted() > 0)
@@ -170,10 +209,11 @@ void add_live_command(CLI::App& app, int& exit_status) {
       ->add_option("--idle-exit", options->idle_exit_s,
                    "end when nothing was heard for this many seconds (default 0: never)")
       ->check(CLI::Range(0.0, 1e6));
-  command_line::for_experts(
-      *command, {"--effort", "--lcm-url", "--key-file", "--timing", "--idle-exit", "--unverified", "--all"});
+  add_web_options(*command, options->web);
+  command_line::for_experts(*command, {"--effort", "--lcm-url", "--key-file", "--timing", "--idle-exit",
+                                       "--unverified", "--all", "--web-files"});
   command->footer(
-      "Example: strobe live --rig rig.toml\n         strobe live --rig rig.toml --json --shots 9 > "
+      "Example: strobe live --rig rig.toml --web\n         strobe live --rig rig.toml --json --shots 9 > "
       "readouts.jsonl");
   command->callback([options, &exit_status] { exit_status = run_live(*options); });
 }

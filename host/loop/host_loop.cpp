@@ -34,7 +34,8 @@ HostLoop::HostLoop(HostLoopSettings settings, Transport& transport, Clock& clock
 }
 
 bool HostLoop::run_once() {
-  const std::vector<int> descriptors = photographs_ ? photographs_->descriptors() : std::vector<int>();
+  std::vector<int> descriptors = photographs_ ? photographs_->descriptors() : std::vector<int>();
+  if (wake_descriptor_ >= 0) descriptors.push_back(wake_descriptor_);
   const bool receiving = transport_.receive(
       kMaxWait, descriptors,
       [this](const std::string& channel, Transport::Bytes bytes) { receive(channel, bytes); });

@@ -63,6 +63,8 @@ class HostLoop final : private MessageHandler {
   void add_listener(HostListener& listener) { listeners_.push_back(&listener); }
   /// Photographs are taken from this pipeline. Null: none are.
   void set_photographs(std::unique_ptr<PhotographPipeline> pipeline) { photographs_ = std::move(pipeline); }
+  /// run_once() returns when it is readable, too. -1: none.
+  void set_wake_descriptor(int descriptor) { wake_descriptor_ = descriptor; }
   PhotographPipeline* photographs() { return photographs_.get(); }
   /// A summary, or a frame, from an earlier run's log.
   void take_in(const strobe_msgs::shot_t& shot);
@@ -127,6 +129,7 @@ class HostLoop final : private MessageHandler {
   Session session_;
   std::unique_ptr<PhotographPipeline> photographs_;
   MessageDecoder decoder_;
+  int wake_descriptor_ = -1;
   std::vector<HostListener*> listeners_;
   std::set<ShotKey> read_out_;
   std::string told_fault_;

@@ -66,14 +66,6 @@ std::string unverified_text(const ViewModel& model) {
   return words;
 }
 
-/// Why nothing can be fired, if it cannot: the caller's words, else the firmware's.
-std::string blocking_reason_of(const ViewModel& model) {
-  if (!model.blocking_reason.empty()) return model.blocking_reason;
-  if (!model.status) return "no firmware heard";
-  if (model.silent) return fmt::format("the firmware has been silent for {:.0f} s", model.status_age_s);
-  return model.status->message;
-}
-
 /// The court pace is the ITF's for shots as it prescribes them only.
 bool is_shown(const reduction::Readout& readout, Quantity q, bool all) {
   if (all || is_essential(q)) return true;
@@ -195,7 +187,7 @@ Lines render_firmware(const ViewModel& model, std::size_t width) {
     if (model.all) append(lines, render_timing(s));
   }
   if (const std::string unverified = unverified_text(model); !unverified.empty()) lines.push_back(unverified);
-  if (const std::string blocking_reason = blocking_reason_of(model); !blocking_reason.empty())
+  if (const std::string blocking_reason = why_nothing_can_be_fired(model); !blocking_reason.empty())
     lines.push_back("cannot fire: " + blocking_reason);
   if (!model.activity.empty()) lines.push_back(model.activity);
   return fitted(std::move(lines), width);

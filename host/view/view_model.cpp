@@ -7,7 +7,8 @@ namespace {
 
 constexpr std::size_t kMaxNotifications = 50;
 
-/// All shots of a rig have its calibration; its ball is told apart by its name.
+}  // namespace
+
 SeriesShot series_shot_of(const ShotResult& result) {
   SeriesShot shot;
   shot.name = std::to_string(result.shot_id);
@@ -18,8 +19,6 @@ SeriesShot series_shot_of(const ShotResult& result) {
   shot.rejected = result.rejected;
   return shot;
 }
-
-}  // namespace
 
 void ViewModel::add(const ShotResult& result) {
   ++shots;
@@ -43,6 +42,13 @@ std::optional<std::string> ViewModel::update(Session& session, HostTime now) {
   if (!clock.suspect || suspect_before) return std::nullopt;
   return fmt::format("the firmware's clock drifts by {:.0f} ppm against this machine's: not plausible",
                      *clock.drift_ppm);
+}
+
+std::string why_nothing_can_be_fired(const ViewModel& model) {
+  if (!model.blocking_reason.empty()) return model.blocking_reason;
+  if (!model.status) return "no firmware heard";
+  if (model.silent) return fmt::format("the firmware has been silent for {:.0f} s", model.status_age_s);
+  return model.status->message;
 }
 
 }  // namespace strobe::host

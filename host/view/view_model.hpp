@@ -40,4 +40,10 @@ struct ViewModel {
   std::optional<std::string> update(Session& session, HostTime now);
 };
 
+/// All shots of a rig have its calibration; its ball is told apart by its name.
+SeriesShot series_shot_of(const ShotResult& result);
+
+/// The owner's words, else the firmware's; empty: it can be fired.
+std::string why_nothing_can_be_fired(const ViewModel& model);
+
 }  // namespace strobe::host

@@ -56,7 +56,7 @@ const std::map<std::string, std::vector<Layer>> kLayers{
          {"host/commission/balls", "host/view"},
          {"host/commission"},
          {"host/report/content", "host/web/json"},
-         {"host/report/sections"},
+         {"host/report/sections", "host/web/live"},
          {"host/commands/reduce", "host/report", "host/thesis/tables"},
          {"host/web/archive"},
          {"host/web/editing"},

@@ -1,0 +1,75 @@
+// What the page shows of a host that runs: kept up to date on a background thread from what the loop tells (live_feed.hpp),
+// published as events, ready as JSON. Thread-safe.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/data/thesis_data.hpp"
+#include "host/series/series.hpp"
+#include "host/web/http/event_hub.hpp"
+#include "host/web/live/live_channel.hpp"
+
+namespace strobe::web {
+
+/// Of the program, as long as it runs.
+struct LiveSetup {
+  std::string program;                 ///< "fire", "live" or "commission"
+  std::string version;                 ///< of strobe
+  std::string rig;
+  std::optional<std::string> session;  ///< the folder's name; absent: nothing is kept
+  bool can_edit = false;               ///< whether shots can be corrected
+  std::optional<thesis::Condition> thesis{};
+};
+
+class LiveState {
+ public:
+  /// Both must outlive the object.
+  LiveState(LiveSetup setup, LiveChannel& channel, EventHub& hub);
+  ~LiveState();
+  LiveState(const LiveState&) = delete;
+  LiveState& operator=(const LiveState&) = delete;
+
+  /// {"program",…}: of GET /api/v1/live.
+  std::string live_json() const;
+  /// Of GET /api/v1/timing; nothing: no firmware was heard.
+  std::optional<std::string> timing_json() const;
+
+  enum class Asked {
+    yes,       ///< the host has been asked
+    no,        ///< it cannot do that now
+    too_often  ///< it has not come to what it was asked before
+  };
+  Asked ask(LiveCommand command);
+
+  static constexpr std::size_t kMaxNotifications = 50;
+
+ private:
+  void run();
+  void take(LiveStatus status);
+  void take(LiveShot shot);
+  void take(LiveNotification notification);
+  void publish_series();
+
+  const LiveSetup setup_;
+  LiveChannel& channel_;
+  EventHub& hub_;
+
+  // The thread's alone.
+  host::Series series_;
+  std::vector<std::string> points_;
+  std::vector<ShotKey> shots_;
+
+  mutable std::mutex mutex_;
+  LiveStatus status_;
+  int last_shot_id_ = 0;
+  std::string series_text_ = "null", last_text_ = "null";
+  std::vector<std::string> notifications_;  ///< as JSON
+  std::thread thread_;
+};
+
+}  // namespace strobe::web
