@@ -126,6 +126,7 @@ Result<FireRequest> request_of(const FireOptions& options) {
   request.style = Terminal::style(options.json, options.plain);
   request.all = options.all;
   request.web = options.web;
+  request.key_file = options.key_file;
   return request;
 }
 
@@ -188,7 +189,7 @@ void add_fire_command(CLI::App& app, int& exit_status) {
   command->add_flag("--all", options->all, kAllHelp);
   add_web_options(*command, options->web);
   command_line::for_experts(*command, {"--spacing", "--effort", "--lcm-url", "--key-file", "--wait",
-                                       "--clear-fault", "--all", "--web-files"});
+                                       "--clear-fault", "--all", "--sessions", "--web-files"});
   command->footer(
       "Ctrl-C finishes the shot under way and ends; a second one aborts it. Ctrl-\\ aborts it at once.\n"
       "Example: strobe fire --rig rig.toml --session run1 --shots 9 --spin zero --angle 23 --note "

@@ -8,7 +8,6 @@
 #include "host/commands/shot_text.hpp"
 #include "host/loop/stored_series.hpp"
 #include "host/messages/lcm_link.hpp"
-#include "host/web/live/live_feed.hpp"
 
 namespace strobe::host {
 namespace {
@@ -65,6 +64,7 @@ class FireRun {
   FireRun(const FireRequest& request, const std::string& commissioned, SessionFolder& folder, Transport& link,
           Clock& clock, std::int64_t host_id, WebPage* page)
       : request_(request),
+        page_(page),
         commissioned_(commissioned),
         folder_(folder),
         clock_(clock),
@@ -82,7 +82,7 @@ class FireRun {
     terminal_.model().thesis = request.condition;
     terminal_.model().all = request.all;
     runner_.set_on_begin([this] { record_run(); });
-    if (page) serve(*page, clock);
+    if (page_) serve();
   }
 
   HostLoop& loop() { return loop_; }
@@ -169,19 +169,16 @@ class FireRun {
     runner_.stop_at_once();
   }
 
-  void serve(WebPage& page, Clock& clock) {
-    feed_.emplace(page.channel(), clock);
-    feed_->show_only([this](std::int64_t host) { return shown(host); });
-    loop_.add_listener(*feed_);
-    loop_.set_wake_descriptor(page.channel().descriptor());
-    terminal_.model().title += "   page " + page.url();
-    terminal_.on_notification(page.words());
+  void serve() {
+    page_->attach(loop_, clock_, [this](std::int64_t host) { return shown(host); });
+    terminal_.model().title += "   page " + page_->url();
+    terminal_.on_notification(page_->words());
   }
 
   /// Stopping does as the first Ctrl-C, disarming as the second.
   void heed_page() {
-    if (!feed_) return;
-    for (const web::LiveCommand& command : feed_->take_commands()) {
+    if (!page_) return;
+    for (const web::LiveCommand& command : page_->take_commands()) {
       if (command.kind == web::LiveCommand::Kind::disarm) {
         loop_.notify("disarmed from the page by " + command.from);
         end_at_once("disarmed from the page");
@@ -215,9 +212,9 @@ class FireRun {
       terminal_.note(fmt::format("fetching {} events that were lost on the way", missing_events()));
     }
     terminal_.show(loop_);
-    if (!feed_) return;
+    if (!page_) return;
     const bool can_stop = ended_by_.empty() && (runner_.firing() || runner_.taking_in());
-    feed_->step(loop_, terminal_.model(), {series.good(), request_.series.shots, can_stop});
+    page_->step(loop_, terminal_.model(), {series.good(), request_.series.shots, can_stop});
   }
 
   std::int64_t missing_events() const { return loop_.session().ledger().missing(); }
@@ -258,6 +255,7 @@ class FireRun {
   }
 
   const FireRequest& request_;
+  WebPage* const page_;          ///< null: none
   const std::string& commissioned_;  ///< what a person should know of the rig's commissioning
   SessionFolder& folder_;
   Clock& clock_;
@@ -266,7 +264,6 @@ class FireRun {
   SeriesRunner& runner_;
   Terminal terminal_;
   ShotText shot_text_;
-  std::optional<web::LiveFeed> feed_;
   int heeded_ = 0;  ///< of ends_asked_for()
   std::string ended_by_;  ///< why the series ends before its time; empty: it does not
   bool recorded_ = false;  ///< there is a run to go on with
@@ -294,8 +291,7 @@ int run_fire(const FireRequest& request) {
                  request.session.c_str(), request.series.counted, request.series.shots);
     return kDone;
   }
-  auto page = WebPage::open(
-      request.web, {"fire", request.run.version, request.rig.rig, session_name(request.session), false, request.condition});
+  auto page = WebPage::open(request.web, {"fire", request.run.version, request.session, request.key_file, request.condition}, request.rig);
   if (!page) return bad_input(page.error().message);
   MachineClock clock;
   auto folder = SessionFolder::open(

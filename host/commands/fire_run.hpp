@@ -33,6 +33,7 @@ struct FireRequest {
   Terminal::Style style = Terminal::Style::plain;
   bool all = false;  ///< show experts' numbers as well
   WebOptions web;
+  std::string key_file;  ///< as of --key-file
 };
 
 /// Returns the exit status.

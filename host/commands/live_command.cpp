@@ -17,7 +17,6 @@
 #include "host/loop/host_loop.hpp"
 #include "host/messages/lcm_link.hpp"
 #include "host/view/timing.hpp"
-#include "host/web/live/live_feed.hpp"
 
 namespace strobe::host {
 namespace {
@@ -85,42 +84,29 @@ class MissingNotes {
   HostTime since_;
 };
 
-/// The page beside the terminal: told what happens, heard when it asks.
-class PageOfLive {
- public:
-  PageOfLive(WebPage& page, HostLoop& loop, Clock& clock) : feed_(page.channel(), clock), loop_(loop) {
-    loop.add_listener(feed_);
-    loop.set_wake_descriptor(page.channel().descriptor());
-  }
+void disarm(HostLoop& loop, const std::string& from) {
+  const auto& status = loop.session().status();
+  if (!status) return loop.notify("cannot be disarmed, as the page asks: no firmware heard");
+  loop.send(loop.commands().disarm(status->boot_id));
+  loop.notify("disarmed from the page by " + from);
+}
 
-  void step(const ViewModel& model) {
-    for (const web::LiveCommand& command : feed_.take_commands()) {
-      if (command.kind == web::LiveCommand::Kind::disarm) disarm(command.from);
-    }
-    feed_.step(loop_, model, {model.series.counted(), std::nullopt, false});
+void step(WebPage& page, HostLoop& loop, const ViewModel& model) {
+  for (const web::LiveCommand& command : page.take_commands()) {
+    if (command.kind == web::LiveCommand::Kind::disarm) disarm(loop, command.from);
   }
-
- private:
-  void disarm(const std::string& from) {
-    const auto& status = loop_.session().status();
-    if (!status) return loop_.notify("cannot be disarmed, as the page asks: no firmware heard");
-    loop_.send(loop_.commands().disarm(status->boot_id));
-    loop_.notify("disarmed from the page by " + from);
-  }
-
-  web::LiveFeed feed_;
-  HostLoop& loop_;
-};
+  page.step(loop, model, {model.series.counted(), std::nullopt, false});
+}
 
 /// Returns false if nothing can be received any more.
-bool watch(HostLoop& loop, Terminal& terminal, TimingReport* timing, PageOfLive* page,
+bool watch(HostLoop& loop, Terminal& terminal, TimingReport* timing, WebPage* page,
            const LiveOptions& options) {
   const Duration idle = from_seconds(options.idle_exit_s);
   MissingNotes missing;
   while (!interrupted()) {
     if (!loop.run_once()) return false;
     terminal.show(loop);
-    if (page) page->step(terminal.model());
+    if (page) step(*page, loop, terminal.model());
     if (timing) timing->step();
     if (terminal.output_problem()) break;
     if (const auto note = missing.update(terminal.model().events_missing, loop.now())) terminal.note(*note);
@@ -139,7 +125,7 @@ int run_live(const LiveOptions& options) {
   HostLoopSettings settings{rig->rig, assembly_settings(*rig), random_host_id()};
   settings.assembly.budgets = !options.json || options.web.on;
   if (key && !options.unverified) settings.key = key->key;
-  auto page = WebPage::open(options.web, {"live", STROBE_VERSION, rig->rig, std::nullopt});
+  auto page = WebPage::open(options.web, {"live", STROBE_VERSION, "", options.key_file}, *rig);
   if (!page) return bad_input(page.error().message);
   MachineClock clock;
   auto link = LcmLink::open(url, rig->rig);
@@ -154,9 +140,9 @@ int run_live(const LiveOptions& options) {
                     fmt::format("strobe live   rig {}", rig->rig), options.shots);
   terminal.model().all = options.all;
   loop.add_listener(terminal);
-  std::optional<PageOfLive> beside;
   if (*page) {
-    beside.emplace(**page, loop, clock);
+    (*page)->attach(loop, clock);
+    terminal.model().title += "   page " + (*page)->url();
     terminal.on_notification((*page)->words());
   }
   terminal.open();
@@ -170,7 +156,7 @@ int run_live(const LiveOptions& options) {
     loop.notify("unverified: anybody's messages are shown, and what is lost on the way cannot be asked for" +
                 (key ? "" : ": " + key.error().message));
   }
-  const bool receiving = watch(loop, terminal, with_timing ? &timing : nullptr, beside ? &*beside : nullptr, options);
+  const bool receiving = watch(loop, terminal, with_timing ? &timing : nullptr, page->get(), options);
   terminal.close();
   if (!receiving) return failed("LCM cannot receive any more");
   if (!options.json && terminal.model().series.counted() > 0)
@@ -211,7 +197,7 @@ void add_live_command(CLI::App& app, int& exit_status) {
       ->check(CLI::Range(0.0, 1e6));
   add_web_options(*command, options->web);
   command_line::for_experts(*command, {"--effort", "--lcm-url", "--key-file", "--timing", "--idle-exit",
-                                       "--unverified", "--all", "--web-files"});
+                                       "--unverified", "--all", "--sessions", "--web-files"});
   command->footer(
       "Example: strobe live --rig rig.toml --web\n         strobe live --rig rig.toml --json --shots 9 > "
       "readouts.jsonl");

@@ -5,20 +5,61 @@
 #include <filesystem>
 #include <utility>
 
+#include "host/web/archive/archive_routes.hpp"
+#include "host/web/editing/editing_routes.hpp"
 #include "host/web/http/listen_address.hpp"
 #include "host/web/http/page_server.hpp"
 #include "host/web/live/live_routes.hpp"
 
 namespace strobe::host {
 
+namespace fs = std::filesystem;
+
+namespace {
+
+/// "run1" of "sessions/run1/"
+fs::path without_end_slash(const fs::path& folder) {
+  const fs::path path = fs::absolute(folder).lexically_normal();
+  return path.has_filename() ? path : path.parent_path();
+}
+
+std::optional<std::string> session_of(const WebSetup& setup) {
+  if (setup.session.empty()) return std::nullopt;
+  return web::session_id(without_end_slash(setup.session).filename().string());
+}
+
+web::SessionStoreSettings store_settings(const WebOptions& options, const WebSetup& setup) {
+  const fs::path own = setup.session.empty() ? fs::current_path() : without_end_slash(setup.session).parent_path();
+  return {options.sessions.empty() ? own : fs::path(options.sessions), session_of(setup).value_or(""), setup.key_file,
+          setup.version};
+}
+
+}  // namespace
+
 /// In the order in which they depend on each other.
 struct WebPage::Parts {
-  explicit Parts(web::LiveSetup setup) : state(std::move(setup), channel, hub) { web::add_live_routes(router, state); }
+  Parts(const WebOptions& options, const WebSetup& setup, const RigFile& rig)
+      : state({setup.program, setup.version, rig.rig, session_of(setup), true, setup.condition}, channel, hub),
+        archive(store_settings(options, setup)),
+        editing(archive, hub) {
+    web::add_live_routes(router, state);
+    web::add_archive_routes(router, archive);
+    web::add_editing_routes(router, editing);
+    if (setup.session.empty()) return;
+    newest.emplace(without_end_slash(setup.session), std::make_shared<const RigFile>(rig),
+                   [this](std::int64_t host) { return !shown || shown(host); });
+    archive.sessions.set_live_shots(&*newest);
+  }
 
   web::EventHub hub{web::first_event_id()};
   web::LiveChannel channel;
   web::LiveState state;
+  std::function<bool(std::int64_t)> shown;  // the loop's thread's, like the feed
+  std::optional<web::LiveShots> newest;
+  web::Archive archive;
+  web::Editing editing;
   web::Router router;
+  std::optional<web::LiveFeed> feed;
   std::unique_ptr<web::PageServer> server;
 };
 
@@ -37,15 +78,20 @@ void add_web_options(CLI::App& command, WebOptions& options) {
         const auto parsed = web::parse_listen_address(where);
         return parsed ? std::string() : parsed.error().message;
       });
+  command
+      .add_option("--sessions", options.sessions,
+                  "the folder whose sessions the page shows (default: that of --session, else the current one)")
+      ->check(CLI::ExistingDirectory);
   command.add_option("--web-files", options.files_folder, "read the page's files from this folder, to work on them")
       ->check(CLI::ExistingDirectory);
 }
 
-Result<std::unique_ptr<WebPage>> WebPage::open(const WebOptions& options, web::LiveSetup setup, AddRoutes more) {
+Result<std::unique_ptr<WebPage>> WebPage::open(const WebOptions& options, const WebSetup& setup, const RigFile& rig,
+                                               const AddRoutes& more) {
   if (!options.on) return std::unique_ptr<WebPage>();
   const auto where = web::parse_listen_address(options.where);
   if (!where) return fail("--web: " + where.error().message);
-  auto parts = std::make_unique<Parts>(std::move(setup));
+  auto parts = std::make_unique<Parts>(options, setup, rig);
   if (more) more(parts->router, parts->hub);
   auto server = web::PageServer::open({where->address, where->port, options.files_folder, {}}, parts->router, parts->hub);
   if (!server) return fail("--web: " + server.error().message);
@@ -60,14 +106,23 @@ WebPage::~WebPage() {
   if (!parts_->server->end()) static_cast<void>(parts_.release());
 }
 
-web::LiveChannel& WebPage::channel() { return parts_->channel; }
 web::EventHub& WebPage::hub() { return parts_->hub; }
 std::string WebPage::url() const { return parts_->server->url(); }
 std::string WebPage::words() const { return "the page: " + parts_->server->url_with_secret(); }
 
-std::string session_name(const std::string& folder) {
-  const std::filesystem::path path = std::filesystem::path(folder).lexically_normal();
-  return (path.has_filename() ? path : path.parent_path()).filename().string();
+void WebPage::attach(HostLoop& loop, Clock& clock, std::function<bool(std::int64_t)> shown) {
+  parts_->shown = shown;
+  if (parts_->newest) loop.add_listener(*parts_->newest);
+  parts_->feed.emplace(parts_->channel, clock);
+  parts_->feed->show_only(std::move(shown));
+  loop.add_listener(*parts_->feed);
+  loop.set_wake_descriptor(parts_->channel.descriptor());
+}
+
+std::vector<web::LiveCommand> WebPage::take_commands() { return parts_->feed->take_commands(); }
+
+void WebPage::step(HostLoop& loop, const ViewModel& model, const web::Progress& progress) {
+  parts_->feed->step(loop, model, progress);
 }
 
 }  // namespace strobe::host

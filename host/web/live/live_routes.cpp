@@ -3,8 +3,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "host/web/json/shot_json.hpp"
-
 namespace strobe::web {
 namespace {
 
@@ -36,7 +34,6 @@ void add_live_routes(Router& router, LiveState& state) {
     auto timing = state.timing_json();
     return timing ? json_text_response(std::move(*timing)) : error_response(404, "no firmware was heard yet");
   });
-  router.get("/api/v1/quantities", Work::quick, [](const Request&) { return json_response(quantities_json()); });
   router.post("/api/v1/stop", Work::quick, [&state](const Request& request) {
     return ask(state, request, LiveCommand::Kind::stop, "there is no series to be ended");
   });

@@ -6,7 +6,7 @@
 
 namespace strobe::web {
 
-/// /api/v1/live, /timing, /quantities, and to stop and to disarm. The state must outlive the router. All answer quickly.
+/// /api/v1/live, /timing, and to stop and to disarm. The state must outlive the router. All answer quickly.
 void add_live_routes(Router& router, LiveState& state);
 
 }  // namespace strobe::web

@@ -10,7 +10,7 @@
 #include "host/view/timing.hpp"
 #include "host/view/view_model.hpp"
 #include "host/web/http/background.hpp"
-#include "host/web/json/run_chart_json.hpp"
+#include "host/web/json/series_page_json.hpp"
 #include "host/web/json/shot_json.hpp"
 #include "host/web/live/status_json.hpp"
 
@@ -70,7 +70,7 @@ void LiveState::take(LiveShot shot) {
   }
   hub_.publish("shot", std::move(text));
   if (result.dry) return;
-  points_.push_back(line_of(point_json(row)));
+  rows_.push_back(row);
   series_.add(host::series_shot_of(result));
 }
 
@@ -85,8 +85,8 @@ void LiveState::take(LiveNotification notification) {
 }
 
 void LiveState::publish_series() {
-  if (points_.empty()) return;
-  std::string text = run_chart_text("series", series_, points_, setup_.thesis);
+  if (rows_.empty()) return;
+  std::string text = line_of(series_page_json(series_.summary("series"), setup_.thesis, rows_));
   {
     const std::lock_guard lock(mutex_);
     series_text_ = std::move(text);

@@ -12,6 +12,7 @@
 #include "common/data/thesis_data.hpp"
 #include "host/series/series.hpp"
 #include "host/web/http/event_hub.hpp"
+#include "host/web/json/shot_json.hpp"
 #include "host/web/live/live_channel.hpp"
 
 namespace strobe::web {
@@ -61,7 +62,7 @@ class LiveState {
 
   // The thread's alone.
   host::Series series_;
-  std::vector<std::string> points_;
+  std::vector<ShotRow> rows_;
   std::vector<ShotKey> shots_;
 
   mutable std::mutex mutex_;
