@@ -1,6 +1,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { recordWords, stepNumber, stepState } from "../../../host/web/page/words/commissioning.js";
+import {
+  recordWords,
+  stepDoubts,
+  stepNumber,
+  stepState,
+} from "../../../host/web/page/words/commissioning.js";
 import { parseRoute, routeTo } from "../../../host/web/page/words/routes.js";
 import { announcement, condition, remarks, verdict } from "../../../host/web/page/words/shots.js";
 import { dateAndTime, duration } from "../../../host/web/page/words/times.js";
@@ -86,31 +91,61 @@ test("a clock that no clock could be is said to be suspect", () => {
   );
 });
 
-const step = (state) => ({ id: state, title: state, state, value: null, unit: "" });
+const step = (state) => ({ id: state, title: state, state, value: null, sd: null, unit: "" });
 
-test("a missing, an old, an unfinished and a good record of commissioning are told apart", () => {
-  assert.match(recordWords(null).text, /no record/);
-  const record = {
+test("a missing, a doubtful and a good record of commissioning are told apart", () => {
+  const absent = {
     running: false,
-    utc: "2026-11-01T10:00:00Z",
-    operator: "AB",
+    standing: "the rig has not been commissioned: run `strobe commission`",
+    good: false,
+    age_days: null,
+    steps: [],
+  };
+  assert.deepEqual(recordWords(absent), {
+    level: "caution",
+    title: "not proved",
+    text: "The rig has not been commissioned: run `strobe commission`.",
+  });
+  const good = {
+    running: false,
+    standing: "the rig is commissioned on 2026-11-01",
+    good: true,
     age_days: 3,
+    max_age_days: 90,
+    operator: "AB",
     steps: [step("passed")],
   };
-  assert.deepEqual(recordWords(record), {
+  assert.deepEqual(recordWords(good), {
     level: "good",
-    text: "Commissioned 2026-11-01 10:00:00 UTC by AB, 3 days old: 1 of 1 steps passed.",
+    title: "proved",
+    text: "The rig is commissioned on 2026-11-01. The oldest step is 3 days old, at most 90 days are allowed, newest step by AB.",
   });
-  assert.match(recordWords({ ...record, age_days: 200 }).text, /The record is old/);
-  assert.match(
-    recordWords({ ...record, steps: [step("passed"), step("failed")] }).text,
-    /1 of 2 steps passed\. Not all is proved/,
-  );
-  assert.match(recordWords({ ...record, running: true, age_days: 200 }).text, /^Under way/);
+  assert.equal(recordWords({ ...good, good: false }).level, "caution");
 });
 
-test("a step tells its number with its unit, and its state in words", () => {
-  assert.equal(stepNumber({ value: 31.53, unit: "µs" }), "31.5 µs");
-  assert.equal(stepNumber({ value: null, unit: "µs" }), "–");
+test("a run under way counts its steps", () => {
+  const run = {
+    running: true,
+    standing: "",
+    good: false,
+    age_days: 0,
+    steps: [step("passed"), step("failed"), step("pending")],
+  };
+  assert.deepEqual(recordWords(run), { level: "plain", title: "under way", text: "1 of 3 steps passed." });
+});
+
+test("a step tells its number with uncertainty and unit, and its state in words", () => {
+  assert.equal(stepNumber({ value: 31.53, sd: null, unit: "us" }), "31.5 µs");
+  assert.equal(stepNumber({ value: 9.8123, sd: 0.021, unit: "m/s2" }), "9.812 ± 0.021 m/s2");
+  assert.equal(stepNumber({ value: null, sd: null, unit: "us" }), "");
   assert.equal(stepState(step("failed")).text, "FAILED");
+});
+
+test("a result from before the rig file's change, or an old one, is in doubt", () => {
+  assert.equal(
+    stepDoubts({ changed: true, old: true, utc: "2026-11-01T10:00:00.123Z" }),
+    "found before the rig file was changed, 2026-11-01 10:00:00 UTC",
+  );
+  assert.equal(stepDoubts({ changed: false, old: true, utc: null }), "old");
+  assert.equal(stepDoubts({ changed: false, old: false, utc: "2026-11-01T10:00:00Z" }), "");
 });

@@ -1,21 +1,23 @@
-// The rig proved step by step: the run under way, or the newest record.
-import { getJson, path } from "../live/api.js";
-import { fill, h } from "../parts/dom.js";
+// The rig proved step by step: the run under way, or its record. Viewers may confirm what only watches inputs; whatever makes
+// outputs move is answered at the console.
+import { getJson, path, postJson } from "../live/api.js";
+import { fill, h, setText } from "../parts/dom.js";
 import { badge, problem, quiet, viewHeading } from "../parts/notices.js";
-import { recordWords, stepNumber, stepState } from "../words/commissioning.js";
+import { recordWords, stepDoubts, stepNumber, stepState } from "../words/commissioning.js";
 
 export function commissionView(main, { live, signal }) {
   const summary = h("p", { class: "record" });
+  const asked = h("section", { class: "prompt", "aria-label": "What is asked", role: "status" });
   const steps = h("ol", { class: "steps" });
-  fill(main, viewHeading("Commission"), summary, steps);
+  let askedShown = "";
+  fill(main, viewHeading("Commission"), summary, asked, steps);
   const show = (record) => {
-    const { level, text } = recordWords(record);
-    fill(
-      summary,
-      badge(level, level === "good" ? "proved" : level === "plain" ? "running" : "attention"),
-      ` ${text}`,
-    );
-    fill(steps, (record?.steps ?? []).map(stepItem));
+    const { level, title, text } = recordWords(record);
+    fill(summary, badge(level, title), ` ${text}`);
+    const key = JSON.stringify([record.prompt, record.waiting]);
+    if (key !== askedShown) fill(asked, promptContent(record));
+    askedShown = key;
+    fill(steps, record.steps.map(stepItem));
   };
   const load = async () => {
     try {
@@ -25,12 +27,41 @@ export function commissionView(main, { live, signal }) {
     }
   };
   fill(summary, quiet("Asking the host."));
-  for (const kind of ["commission", "live"]) live.addEventListener(kind, load, { signal });
+  live.addEventListener("commission", ({ detail }) => (detail.steps ? show(detail) : load()), { signal });
+  live.addEventListener("live", load, { signal });
   load();
+}
+
+function promptContent({ prompt, waiting }) {
+  const answer = h("p", { class: "answer" });
+  const send = (what, body, done) => () =>
+    postJson(path("commission", what), body).then(
+      () => setText(answer, done),
+      (error) => setText(answer, `Not done: ${error.message}.`),
+    );
+  const button = (words, action) => h("button", { type: "button", onclick: action }, words);
+  if (prompt) {
+    const console = h("p", {}, h("strong", {}, "Answer at the console: "), "it makes outputs move.");
+    return [
+      h("h2", {}, "Asked"),
+      h("p", {}, prompt.words),
+      prompt.moves ? console : button("Confirm", send("confirm", { step: prompt.step }, "Confirmed.")),
+      answer,
+    ];
+  }
+  if (!waiting) return null;
+  return [
+    h("h2", {}, "Waiting"),
+    h("p", {}, waiting),
+    button("More time", send("more_time", {}, "There is more time now.")),
+    answer,
+  ];
 }
 
 function stepItem(step) {
   const { text, level } = stepState(step);
+  const number = stepNumber(step);
+  const doubts = stepDoubts(step);
   return h(
     "li",
     {
@@ -38,12 +69,14 @@ function stepItem(step) {
       "aria-current": ["running", "waiting"].includes(step.state) ? "step" : null,
     },
     h("div", { class: "step-head" }, h("h2", {}, step.title), badge(level, text)),
-    h(
-      "p",
-      { class: "step-number" },
-      h("strong", {}, stepNumber(step)),
-      step.limit ? h("span", { class: "quiet" }, ` limit: ${step.limit}`) : null,
-    ),
+    (number || step.limit) &&
+      h(
+        "p",
+        {},
+        number && h("strong", {}, number),
+        step.limit && h("span", { class: "quiet" }, ` limit: ${step.limit}`),
+      ),
+    doubts && h("p", { class: "doubts" }, doubts),
     step.words && h("p", {}, step.words),
     step.advice && h("p", { class: "advice" }, h("strong", {}, "What to do: "), step.advice),
   );

@@ -1,9 +1,7 @@
-// The record of commissioning in words. Pure.
-import { ABSENT, significant, unitWords } from "./numbers.js";
+// Commissioning in words: the record of a rig, or the run under way. Pure.
+import { ABSENT, significant, unitWords, valueAndSd } from "./numbers.js";
 import { ageWords } from "./timing.js";
 import { dateAndTime } from "./times.js";
-
-export const OLD_AFTER_DAYS = 90;
 
 const STATES = {
   pending: { text: "to come", level: "plain" },
@@ -11,29 +9,51 @@ const STATES = {
   waiting: { text: "waits for you", level: "caution" },
   passed: { text: "passed", level: "good" },
   failed: { text: "FAILED", level: "danger" },
-  skipped: { text: "skipped", level: "caution" },
+  skipped: { text: "left out", level: "caution" },
 };
 
 export function stepState(step) {
   return STATES[step.state] ?? { text: step.state, level: "plain" };
 }
 
-/// "0.42 µs"
-export function stepNumber({ value, unit }) {
-  return Number.isFinite(value) ? [significant(value, 3), unitWords(unit)].filter(Boolean).join(" ") : ABSENT;
+/// "12.10 ± 0.31 µs", or "" where nothing was measured.
+export function stepNumber({ value, sd, unit }) {
+  if (!Number.isFinite(value)) return "";
+  const number = valueAndSd({ value, sd });
+  const words = number.sd ? `${number.value} ± ${number.sd}` : significant(value, 3);
+  return [words, unitWords(unit)].filter(Boolean).join(" ");
 }
 
-/// {level, text}: what the record as a whole says; `record` null: there is none.
+/// Why a result that was good when it was found may not be so any more.
+export function stepDoubts({ changed, old, utc }) {
+  const since = utc ? `, ${dateAndTime(utc)} UTC` : "";
+  if (changed) return `found before the rig file was changed${since}`;
+  return old ? `old${since}` : "";
+}
+
+/// {level, title, text}: what the record as a whole says.
 export function recordWords(record) {
-  if (!record || !record.steps?.length)
-    return { level: "caution", text: "This rig has no record of commissioning. Run strobe commission." };
-  const left = record.steps.filter((s) => s.state !== "passed");
-  const of = `${record.steps.length - left.length} of ${record.steps.length} steps passed`;
-  if (record.running) return { level: "plain", text: `Under way: ${of}.` };
-  const who = record.operator ? ` by ${record.operator}` : "";
-  const dated = `Commissioned ${dateAndTime(record.utc)} UTC${who}, ${ageWords(record.age_days)}: ${of}.`;
-  if (record.age_days > OLD_AFTER_DAYS)
-    return { level: "caution", text: `${dated} The record is old: commission again.` };
-  if (left.length > 0) return { level: "caution", text: `${dated} Not all is proved.` };
-  return { level: "good", text: dated };
+  const passed = record.steps.filter((step) => step.state === "passed").length;
+  const of = `${passed} of ${record.steps.length} steps passed`;
+  if (record.running) return { level: "plain", title: "under way", text: `${of}.` };
+  const standing = sentence(
+    record.standing || (record.steps.length > 0 ? of : "the rig has no record of commissioning"),
+  );
+  const by = record.operator ? `, newest step by ${record.operator}` : "";
+  const age = Number.isFinite(record.age_days)
+    ? ` The oldest step is ${ageWords(record.age_days)}${limit(record)}${by}.`
+    : "";
+  return {
+    level: record.good ? "good" : "caution",
+    title: record.good ? "proved" : "not proved",
+    text: standing + age,
+  };
+}
+
+function limit({ max_age_days: days }) {
+  return days > 0 ? `, at most ${days} days are allowed` : "";
+}
+
+function sentence(words) {
+  return words === ABSENT ? words : `${words[0].toUpperCase()}${words.slice(1)}.`;
 }

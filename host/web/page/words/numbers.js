@@ -54,7 +54,7 @@ export function inWords(number, unit) {
 }
 
 export function unitWords(unit) {
-  return unit === "deg" ? "°" : (unit ?? "");
+  return { deg: "°", us: "µs" }[unit] ?? unit ?? "";
 }
 
 /// Like printf's %.ng, without exponents between 1e-5 and 1e6.
