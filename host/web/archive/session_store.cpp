@@ -95,7 +95,7 @@ Answered<SessionStore::Stored*> SessionStore::read(const fs::path& folder) {
   std::set<ShotKey> told = keys_of(table_of(folder)->rows);
   ++readings_;
   auto session = host::read_session(folder, {.rig_path = "", .key_file = settings_.key_file, .progress = {}});
-  if (!session) return unanswered(500, session.error().message);
+  if (!session) return unanswered(409, session.error().message);
   Stored read{std::make_shared<const StoredSession>(std::move(*session)), edits, std::move(told), logs, {}};
   if (Stored* before = stored_.find(folder)) {
     for (auto& [key, made] : before->budgets) {
@@ -121,7 +121,8 @@ Answered<std::vector<ShotRow>> SessionStore::rows_of(const fs::path& folder) {
   const auto table = table_of(folder);
   std::vector<ShotRow> rows = table->rows;
   const Edits edits = edits_of(folder);
-  if (rows.empty() && !is_live(folder)) {
+  const bool has_logs = !host::host_logs(folder).empty() || !host::journals(folder).empty();
+  if (rows.empty() && has_logs && !is_live(folder)) {
     const auto stored = stored_with(folder, {});
     if (!stored) return tl::unexpected(stored.error());
     for (const StoredShot& shot : (*stored)->session->shots) rows.push_back(shot_row(shot));

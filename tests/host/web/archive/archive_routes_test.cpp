@@ -267,6 +267,25 @@ TEST(ArchiveRoutes, WriteTheReportOfTheCommandOnAThreadOfItsOwn) {
   CHECK_FALSE(fs::exists(sessions / "today" / "report.html"));
 }
 
+TEST(ArchiveRoutes, OfASessionWithoutLogsTellWhatItsTableSays) {
+  write("today", 2);
+  for (const auto& entry : fs::directory_iterator(sessions / "today"))
+    if (entry.path().extension() == ".lcmlog") fs::remove(entry.path());
+  LONGS_EQUAL(2, json("/sessions/today/shots")["shots"].size());
+  STRCMP_CONTAINS("no log of a host",
+                  json("/sessions/today/shots/1", {}, 409)["error"].get<std::string>().c_str());
+  testing::write_text(sessions / "today" / "results.csv", "");
+  LONGS_EQUAL(0, json("/sessions/today/shots")["shots"].size());
+}
+
+TEST(ArchiveRoutes, OfASessionWithoutATableTellWhatItsLogsSay) {
+  write("today", 3);
+  fs::remove(sessions / "today" / "results.csv");
+  LONGS_EQUAL(3, json("/sessions/today/shots")["shots"].size());
+  CHECK_EQUAL("2", json("/sessions/today/shots/2")["name"].get<std::string>());
+  LONGS_EQUAL(1, archive->sessions.readings());
+}
+
 TEST(ArchiveRoutes, OfAFolderWithoutSessionsListNone) {
   CHECK_EQUAL("[]", json("/sessions").dump());
   fs::remove_all(sessions);

@@ -99,6 +99,18 @@ TEST(DetailJson, OfAShotWithoutAPhotographHasNoImages) {
   STRCMP_CONTAINS("camera", detail["advice"].get<std::string>().c_str());
 }
 
+TEST(DetailJson, OfPointsDigitizedElsewhereHasThemTheRightWayUp) {
+  const host::StoredShot shot = stored({});
+  const ordered_json images = web::detail_json(shot, "today", std::nullopt)["images"];
+  const auto& frame = shot.digitizations.back().frame;
+  for (std::size_t i = 0; i < frame.images.size(); ++i) {
+    const double row = images[i]["centre_px"][1].get<double>();
+    CHECK_TRUE(row >= 0.0);
+    DOUBLES_EQUAL(images[0]["centre_px"][1].get<double>() + frame.images[0].centre_y_px,
+                  row + frame.images[i].centre_y_px, 1e-9);
+  }
+}
+
 TEST(DetailJson, OfAShotWhoseFlashesAreNotKnownUsesNoImage) {
   host::StoredShot shot = stored({});
   shot.summary.reset();
