@@ -68,7 +68,7 @@ export function cautions(status) {
   if (heard && status.real_time === false) words.push("the firmware does not run in real time");
   if (status.events_missing > 0)
     words.push(`${count(status.events_missing, "event")} of the firmware did not arrive here`);
-  if (status.photographs_pending > 0)
+  if (status.photographs_pending > 1)
     words.push(`${count(status.photographs_pending, "photograph")} on the way`);
   return words;
 }
