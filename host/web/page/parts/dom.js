@@ -28,6 +28,17 @@ export function fill(element, ...children) {
   return element;
 }
 
+const FOCUSABLE = "a[href], button, select, input, summary, [tabindex]";
+
+/// Likewise, of something that is shown anew by itself: the focus stays where it was among its parts.
+export function refill(element, ...children) {
+  const parts = () => [...element.querySelectorAll(FOCUSABLE)];
+  const place = parts().indexOf(document.activeElement);
+  fill(element, ...children);
+  if (place >= 0) parts()[place]?.focus({ preventScroll: true });
+  return element;
+}
+
 function contentOf(children) {
   return children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false);
 }

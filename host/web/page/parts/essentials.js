@@ -15,7 +15,8 @@ export function hasNumbers(shot) {
   return Object.values(shot.values ?? {}).some((number) => Number.isFinite(number?.value));
 }
 
-export function essentialsTable(quantities, shot, summary) {
+export function essentialsTable(quantities, shot, series) {
+  const summary = series?.counted > 0 ? series : null;
   const rows = essentialRows(quantities, shot).map((q) => {
     const { value, sd } = valueAndSd(shot.values?.[q.name]);
     const { mean, expanded } = meanCells(summary?.quantities?.[q.name]);

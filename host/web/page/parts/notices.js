@@ -18,6 +18,6 @@ export function badge(level, text) {
   return h("span", { class: `badge ${level}` }, text);
 }
 
-export function details(title, content, { open = false, id = null } = {}) {
-  return h("details", { open, id }, h("summary", {}, title), content);
+export function details(title, content, { open = false, id = null, ontoggle = null } = {}) {
+  return h("details", { open, id, ontoggle }, h("summary", {}, title), content);
 }

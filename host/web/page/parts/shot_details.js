@@ -5,11 +5,14 @@ import { fill, h } from "./dom.js";
 import { details, quiet } from "./notices.js";
 import { table } from "./table.js";
 
-export function shotDetails(quantities, detail, isOpen) {
-  const part = (id, title, content) => content && details(title, content, { id, open: isOpen.has(id) });
+/// kept: {open: Set of ids, budgetOf: name of a quantity}, what a person has chosen, from one shot to the next.
+export function shotDetails(quantities, detail, kept) {
+  const ontoggle = ({ target }) => (target.open ? kept.open.add(target.id) : kept.open.delete(target.id));
+  const part = (id, title, content) =>
+    content && details(title, content, { id, open: kept.open.has(id), ontoggle });
   return [
     part("all-numbers", "All numbers", detail.readout && allNumbers(quantities, detail)),
-    part("budget", "Uncertainty budget", detail.budget && budgets(quantities, detail)),
+    part("budget", "Uncertainty budget", detail.budget && budgets(quantities, detail, kept)),
     part("train", "Flash train", detail.train && trainTable(detail.train)),
     part(
       "digitizations",
@@ -62,25 +65,22 @@ function allNumbers(quantities, { readout, values }) {
   ];
 }
 
-function budgets(quantities, { budget }) {
+function budgets(quantities, { budget }, kept) {
   const known = quantities.filter((q) => budget[q.name]?.length);
   if (known.length === 0) return quiet("No number, no budget.");
   const place = h("div");
+  const show = (name) => {
+    const chosen = known.find((q) => q.name === name) ?? known[0];
+    kept.budgetOf = chosen.name;
+    fill(place, budgetTable(chosen, budget));
+  };
   const select = h(
     "select",
-    {
-      onchange: () =>
-        fill(
-          place,
-          budgetTable(
-            known.find((q) => q.name === select.value),
-            budget,
-          ),
-        ),
-    },
+    { onchange: () => show(select.value) },
     known.map((q) => h("option", { value: q.name }, q.label)),
   );
-  fill(place, budgetTable(known[0], budget));
+  show(kept.budgetOf);
+  select.value = kept.budgetOf;
   return [h("label", { class: "choice" }, h("span", {}, "Number"), select), place];
 }
 

@@ -2,7 +2,7 @@
 import { getJson, path, withQuery } from "../live/api.js";
 import { drawAtWidth, RunChart } from "../charts/run_chart.js";
 import { legend } from "../charts/legend.js";
-import { fill, h } from "../parts/dom.js";
+import { fill, h, refill } from "../parts/dom.js";
 import { details, problem, quiet, viewHeading } from "../parts/notices.js";
 import { pointsTable, summaryTable } from "../parts/series_summary.js";
 import { routeTo } from "../words/routes.js";
@@ -75,7 +75,7 @@ class SeriesView {
     const { series } = this;
     if (!series?.summary) return fill(this.summary, quiet("No series yet: it begins with the first shot."));
     const outliers = outlierWords(this.live.quantities, series.summary);
-    fill(
+    refill(
       this.summary,
       summaryTable(this.quantities, series),
       outliers.length > 0 &&
@@ -118,7 +118,7 @@ class SeriesView {
 
   showPoints() {
     if (this.numbers.open && this.series?.points)
-      fill(this.numbers.querySelector(".points"), pointsTable(this.quantities, this.series));
+      refill(this.numbers.querySelector(".points"), pointsTable(this.quantities, this.series));
   }
 
   openShot(name) {

@@ -1,7 +1,7 @@
 // The last shot as it comes, or any shot of any session: photograph, numbers, what is wrong with it.
 import { getJson, path } from "../live/api.js";
 import { mountPhotograph } from "../photograph.js";
-import { fill, h } from "../parts/dom.js";
+import { fill, h, refill } from "../parts/dom.js";
 import { essentialsTable, hasNumbers } from "../parts/essentials.js";
 import { badge, problem, quiet, viewHeading } from "../parts/notices.js";
 import { notificationList } from "../parts/notifications.js";
@@ -23,7 +23,14 @@ export function shotView(main, { live, route, signal }) {
 
 class ShotView {
   constructor(main, live, signal) {
-    Object.assign(this, { live, signal, shown: null, series: null, photograph: null });
+    Object.assign(this, {
+      live,
+      signal,
+      shown: null,
+      series: null,
+      photograph: null,
+      kept: { open: new Set(), budgetOf: null },
+    });
     this.heading = viewHeading("Shot");
     this.facts = h("p", { class: "shot-facts" });
     this.newer = h("p", { class: "newer", role: "status" });
@@ -54,12 +61,17 @@ class ShotView {
     try {
       const detail = await getJson(path("sessions", session, "shots", name), this.signal);
       this.show({ ...detail, session, name }, detail);
-      this.series = await getJson(seriesAddress(session, detail), this.signal);
-      this.showNumbers();
+      this.fetchSeries(session, detail);
     } catch (error) {
       if (error.name !== "AbortError")
         fill(this.numbers, problem(`Shot ${name} of ${session}: ${error.message}.`));
     }
+  }
+
+  /// Without it the shot is shown alone.
+  async fetchSeries(session, detail) {
+    this.series = await getJson(seriesAddress(session, detail), this.signal).catch(() => null);
+    if (this.series) this.showNumbers();
   }
 
   follow() {
@@ -134,8 +146,16 @@ class ShotView {
     this.showVerdict();
     this.showNumbers();
     this.showPhotograph(isNew);
-    const open = new Set([...this.more.querySelectorAll("details[open]")].map((d) => d.id));
-    fill(this.more, detail && shotDetails(this.live.quantities, detail, open), this.links());
+    this.showMore(isNew);
+  }
+
+  /// Those of the shot before stay, as such, until the new ones are here.
+  showMore(isNew) {
+    const { detail, shown } = this;
+    const waits = !detail && shown.session && isNew;
+    this.more.setAttribute("aria-busy", String(Boolean(waits)));
+    if (waits && this.more.hasChildNodes()) return;
+    refill(this.more, detail && shotDetails(this.live.quantities, detail, this.kept), this.links());
   }
 
   showVerdict() {
@@ -161,7 +181,7 @@ class ShotView {
   showNumbers() {
     const { shown, detail, series } = this;
     if (hasNumbers(shown))
-      return fill(this.numbers, essentialsTable(this.live.quantities, shown, series?.summary));
+      return refill(this.numbers, essentialsTable(this.live.quantities, shown, series?.summary));
     const words = shown.dry
       ? "A dry shot: its flashes are its result."
       : "Nothing could be measured of this shot.";
@@ -215,7 +235,7 @@ class ShotView {
   }
 
   showNotes() {
-    fill(this.notes, notificationList(this.live.state.notifications ?? []));
+    refill(this.notes, notificationList(this.live.state.notifications ?? []));
   }
 
   showNone() {

@@ -1,7 +1,7 @@
 // How exactly the rig keeps its times: histograms since the firmware started, in words and bars.
 import { getJson, path } from "../live/api.js";
 import { histogram } from "../charts/histogram.js";
-import { fill, h } from "../parts/dom.js";
+import { fill, h, refill } from "../parts/dom.js";
 import { problem, quiet, viewHeading } from "../parts/notices.js";
 import { table } from "../parts/table.js";
 import { fixed } from "../words/numbers.js";
@@ -18,7 +18,7 @@ export function timingView(main, { live, signal }) {
     try {
       const timing = await getJson(path("timing"), signal);
       const text = JSON.stringify(timing);
-      if (text !== shown) fill(place, content(timing));
+      if (text !== shown) refill(place, content(timing));
       shown = text;
     } catch (error) {
       if (error.name !== "AbortError" && shown === "") fill(place, problem(`Timing: ${error.message}.`));
