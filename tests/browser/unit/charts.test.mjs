@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { barHeights } from "../../../host/web/page/charts/histogram.js";
-import { nearestPoint, runChart } from "../../../host/web/page/charts/run_chart_model.js";
+import { labelled, nearestPoint, runChart } from "../../../host/web/page/charts/run_chart_model.js";
 import { linear, rangeOf, roundTicks } from "../../../host/web/page/charts/scale.js";
 
 test("ticks are round numbers within the range, at least two", () => {
@@ -91,4 +91,31 @@ test("a single count among ten thousand is seen in a histogram", () => {
   const [many, one, none] = barHeights([10000, 1, 0]);
   assert.equal(many, 1);
   assert.ok(one >= 0.1 && none === 0);
+});
+
+const named = (names) => names.map((name, index) => ({ index, name }));
+
+test("shots with round numbers are labelled, few enough to be read", () => {
+  const thousand = labelled(named(Array.from({ length: 1000 }, (_, i) => `${i + 1}`)), 6);
+  assert.deepEqual(
+    thousand.map((p) => p.name),
+    ["200", "400", "600", "800", "1000"],
+  );
+  const later = labelled(named(Array.from({ length: 50 }, (_, i) => `${i + 44}`)), 6);
+  assert.deepEqual(
+    later.map((p) => p.name),
+    ["50", "60", "70", "80", "90"],
+  );
+  assert.deepEqual(
+    labelled(named(["1", "2", "3"]), 6).map((p) => p.name),
+    ["1", "2", "3"],
+  );
+});
+
+test("shots whose names are no ascending numbers are labelled by their place", () => {
+  const names = ["1/ab", "2/ab", "1/cd", "2/cd", "3/cd", "4/cd"];
+  assert.deepEqual(
+    labelled(named(names), 3).map((p) => p.name),
+    ["2/ab", "2/cd", "4/cd"],
+  );
 });

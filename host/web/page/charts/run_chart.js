@@ -3,8 +3,8 @@
 import { fill, h, svg } from "../parts/dom.js";
 import { fixed, inWords, unitWords } from "../words/numbers.js";
 import { meanCells } from "../words/series.js";
-import { nearestPoint, runChart } from "./run_chart_model.js";
-import { linear, roundStep, roundTicks } from "./scale.js";
+import { labelled, nearestPoint, runChart } from "./run_chart_model.js";
+import { linear, roundTicks } from "./scale.js";
 
 const HEIGHT = 200,
   LEFT = 62,
@@ -84,12 +84,9 @@ export class RunChart {
       svg("path", { class: "grid", d: `M${LEFT} ${this.y(tick)}H${width - RIGHT}` }),
       svg("text", { x: LEFT - 6, y: this.y(tick) + 4, "text-anchor": "end" }, fixed(tick, decimals)),
     ]);
-    const every = Math.max(1, roundStep(0, Math.max(points.length, 2), Math.max(2, (width - LEFT) / 60)));
-    const names = points
-      .filter((p) => (p.index + 1) % every === 0 || (p.index === 0 && every > 1))
-      .map((p) =>
-        svg("text", { x: this.x(p.index), y: HEIGHT - 6, "text-anchor": "middle" }, String(p.name).slice(-6)),
-      );
+    const names = labelled(points, (width - LEFT) / 60).map((p) =>
+      svg("text", { x: this.x(p.index), y: HEIGHT - 6, "text-anchor": "middle" }, String(p.name).slice(-6)),
+    );
     return [...rows, ...names];
   }
 

@@ -1,5 +1,5 @@
 // What a run chart of one quantity shows: its points in the order fired, its lines, its range. Pure.
-import { rangeOf } from "./scale.js";
+import { rangeOf, roundStep } from "./scale.js";
 
 /// A thesis row that would squeeze the points to less than a quarter of the height is told in words instead.
 const LARGEST_STRETCH = 4;
@@ -45,4 +45,14 @@ function thesisRow(row, [low, high]) {
 export function nearestPoint(points, index) {
   if (points.length === 0) return null;
   return points[Math.min(points.length - 1, Math.max(0, Math.round(index)))];
+}
+
+/// At most about `most` points, those whose number is round, or where names are no numbers, whose place is.
+export function labelled(points, most) {
+  const every = Math.max(1, roundStep(0, Math.max(points.length, 2), Math.max(2, most)));
+  const numbers = points.map((point) => Number(point.name));
+  const areNumbers = numbers.every(
+    (number, i) => Number.isInteger(number) && (i === 0 || number > numbers[i - 1]),
+  );
+  return points.filter((point, i) => (areNumbers ? numbers[i] : point.index + 1) % every === 0);
 }
