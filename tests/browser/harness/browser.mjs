@@ -23,12 +23,19 @@ export async function open(browser, url, { size = { width: 1280, height: 800 }, 
   page.setDefaultTimeout(120_000);
   page.trouble = [];
   page.requests = [];
+  page.waiting = new Set();  // requests under way; the event stream always is
   page.on('console', (message) => {
-    if (['error', 'warning'].includes(message.type())) page.trouble.push(`console: ${message.text()} (${message.location().url})`);
+    const isResponse = message.text().startsWith('Failed to load resource: the server responded');  // told below
+    if (['error', 'warning'].includes(message.type()) && !isResponse) page.trouble.push(`console: ${message.text()} (${message.location().url})`);
   });
   page.on('pageerror', (error) => page.trouble.push(`script: ${error.stack ?? error.message}`));
-  page.on('request', (request) => page.requests.push(request.url()));
+  page.on('request', (request) => {
+    page.requests.push(request.url());
+    if (!request.url().endsWith('/events')) page.waiting.add(request);
+  });
+  page.on('requestfinished', (request) => page.waiting.delete(request));
   page.on('requestfailed', (request) => {
+    page.waiting.delete(request);
     // A page that is left ends its event stream and what it still asked for.
     if (request.failure()?.errorText !== 'net::ERR_ABORTED') page.trouble.push(`failed: ${request.url()} ${request.failure()?.errorText}`);
   });

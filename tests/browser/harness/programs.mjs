@@ -1,6 +1,10 @@
 // Programs under test: what they print as it comes, and an end that leaves nothing behind.
 import { spawn } from 'node:child_process';
+import { join } from 'node:path';
 import { setTimeout as sleep } from 'node:timers/promises';
+
+/// Where a program of the build lies.
+export const program = (name) => join(process.env.STROBE_BUILD_DIR, 'bin', name);
 
 /// For what must come: only a failure waits so long, however busy the machine.
 export const longestWait = 180_000;
@@ -18,13 +22,17 @@ export async function until(condition, what, wait = longestWait) {
 
 export class Program {
   #started;
+  #arrivals = [];
   constructor(command, args, { cwd, env } = {}) {
     this.name = `${command.split('/').pop()} ${args[0] ?? ''}`;
     this.out = '';
     this.err = '';
     this.status = undefined;  // {code, signal} when it has ended
     this.#started = spawn(command, args, { cwd, env: { ...process.env, ...env }, detached: true, stdio: ['ignore', 'pipe', 'pipe'] });
-    this.#started.stdout.setEncoding('utf8').on('data', (text) => (this.out += text));
+    this.#started.stdout.setEncoding('utf8').on('data', (text) => {
+      this.out += text;
+      this.#arrivals.push({ length: this.out.length, at: performance.timeOrigin + performance.now() });
+    });
     this.#started.stderr.setEncoding('utf8').on('data', (text) => (this.err += text));
     this.#started.on('error', (error) => {
       this.err += error.message;
@@ -49,6 +57,15 @@ export class Program {
   /// Objects of the whole lines of JSON on its standard output.
   lines() {
     return this.out.split('\n').slice(0, -1).filter((line) => line.startsWith('{')).map((line) => JSON.parse(line));
+  }
+
+  /// With when each was there as a whole, in ms since 1970.
+  timedLines() {
+    let end = 0;
+    return this.out.split('\n').slice(0, -1).map((text) => {
+      end += text.length + 1;
+      return { text, at: this.#arrivals.find(({ length }) => length >= end).at };
+    }).filter(({ text }) => text.startsWith('{')).map(({ text, at }) => ({ line: JSON.parse(text), at }));
   }
 
   async end() {

@@ -1,16 +1,22 @@
 // A simulated rig: strobe-sim runs strobed on a chip of its own; its camera delivers photographs. Beside it the commands of
 // strobe that serve the page.
-import { mkdir } from 'node:fs/promises';
+import { mkdir, readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { build } from './packages.mjs';
-import { Program, run } from './programs.mjs';
+import { Program, program, run } from './programs.mjs';
 
-const program = (name) => join(build, 'bin', name);
 let rigs = 0;
 
 function randomLcmUrl() {
   const draw = (from, to) => from + Math.floor(Math.random() * (to - from));
   return `udpm://239.255.${draw(1, 255)}.${draw(1, 255)}:${draw(20000, 60000)}?ttl=0&recv_buf_size=2097152`;
+}
+
+/// $STROBE_HIL_WAKE_AHEAD is 0 where another rig runs beside this one: two loops that are awake before each flash would leave
+/// no core to anything else.
+async function wakeAhead(file) {
+  const wanted = process.env.STROBE_HIL_WAKE_AHEAD;
+  if (wanted === undefined) return;
+  await writeFile(file, (await readFile(file, 'utf8')).replace(/^wake_ahead_us = .*$/m, `wake_ahead_us = ${wanted}`));
 }
 
 /// A strobe that serves the page: where, and what it prints.
@@ -43,6 +49,7 @@ export class Rig {
     await mkdir(rig.session, { recursive: true });
     const camera = photographs ? ['--photographs', join(rig.folder, 'camera')] : [];
     await run(program('strobe-sim'), ['run', '--scene', scene, ...camera, '--write-rig', rig.file]);
+    await wakeAhead(rig.file);
     rig.sim = new Program(program('strobe-sim'), [
       'run', '--scene', scene, '--seed', `${seed}`, ...camera, '--lcm-url', rig.lcmUrl, '--chip-dir', join(rig.folder, 'chip'), '--',
       program('strobed'), '--config', rig.file, '--session', rig.session, '--lcm-url', rig.lcmUrl, '--allow-no-rt',
