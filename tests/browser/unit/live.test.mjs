@@ -78,6 +78,29 @@ test("a reset fetches everything anew", async (context) => {
   assert.equal(live.state.last.name, "9");
 });
 
+test("a reset that comes while all is fetched asks for it again only where it is newer", async (context) => {
+  let answer;
+  const { live, asked } = start(context, {
+    "/api/v1/quantities": quantities,
+    "/api/v1/live": () => new Promise((done) => (answer = done)),
+  });
+  const times = () => asked.filter((address) => address === "/api/v1/live").length;
+  live.load();
+  await settled();
+  live.receive("reset", {}, 11);
+  answer(host("5", 11));
+  await settled();
+  assert.equal(times(), 1);
+  live.receive("reset", {}, 20);
+  live.receive("reset", {}, 30);
+  answer(host("6", 25));
+  await settled();
+  assert.equal(times(), 3);
+  answer(host("7", 30));
+  await settled();
+  assert.deepEqual([live.state.last.name, times()], ["7", 3]);
+});
+
 test("a series is fetched once for events that come while it is on its way", async (context) => {
   let series = 0;
   const { live, told, asked } = start(context, {

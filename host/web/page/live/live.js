@@ -69,8 +69,8 @@ export class Live extends EventTarget {
   }
 
   receive(kind, data, id) {
-    if (kind === "reset") this.load();
-    else if (this.waiting) this.waiting.push({ kind, data, id });
+    if (this.waiting) this.waiting.push({ kind, data, id });
+    else if (kind === "reset") this.load();
     else if (this.state) this.apply(kind, data);
   }
 
