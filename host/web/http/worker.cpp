@@ -30,10 +30,12 @@ void Worker::run(State& state) {
     if (state.ending) return;
     auto job = std::move(state.jobs.front());
     state.jobs.pop_front();
+    state.busy = true;
     lock.unlock();
     job();
     job = nullptr;
     lock.lock();
+    state.busy = false;
   }
 }
 
@@ -50,9 +52,13 @@ bool Worker::end() {
   state_->ending = true;
   state_->jobs.clear();
   state_->changed.notify_all();
-  const bool ended = state_->changed.wait_for(lock, kMaxWaitAtEnd, [this] { return state_->ended; });
-  if (!ended) left_behind = true;
-  return ended;
+  state_->changed.wait_for(lock, kMaxWaitAtEnd, [this] { return state_->ended; });
+  if (state_->busy) {
+    left_behind = true;
+    return false;
+  }
+  state_->changed.wait(lock, [this] { return state_->ended; });  // as soon as it gets the processor
+  return true;
 }
 
 bool work_left_behind() { return left_behind; }
