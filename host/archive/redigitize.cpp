@@ -88,9 +88,13 @@ Result<MeasuredPhotograph> measure_to_keep(const StoredSession& session, const S
   return fail(words.starts_with(kept) ? file_name + words.substr(kept.size()) : words);
 }
 
-/// Corrections first: a frame in the folder counts.
+/// Corrections first: a frame in the folder counts. What could not be read again is not written.
 Result<void> put(const StoredSession& session, StoredShot& shot, const MeasuredPhotograph& measured,
                  const std::string& corrections, const Author& author) {
+  const std::string text = file_text(shot, measured, author);
+  const std::string which = fmt::format("{}: shot {}: cannot be kept", session.folder.string(), shot.name);
+  if (auto readable = parse_digitization(text, shot.key, which); !readable)
+    return tl::unexpected(readable.error());
   const fs::path folder = session.folder / "digitizations";
   std::error_code error;
   fs::create_directories(folder, error);
@@ -101,7 +105,7 @@ Result<void> put(const StoredSession& session, StoredShot& shot, const MeasuredP
     if (auto written = config::write_file(stem + ".toml", corrections); !written)
       return tl::unexpected(written.error());
   }
-  if (auto written = config::write_file(stem + ".json", file_text(shot, measured, author)); !written)
+  if (auto written = config::write_file(stem + ".json", text); !written)
     return tl::unexpected(written.error());
   auto digitization = read_digitization({stem + ".json", shot.key, number});
   if (!digitization) return tl::unexpected(digitization.error());

@@ -30,6 +30,19 @@ bool take(std::string_view& text, std::string_view word) {
   return true;
 }
 
+/// A digitization's times are those of the flashes, which are found anew; one that matched none (null) is read like the
+/// others. Whether there was such an image.
+bool give_times(nlohmann::json& object) {
+  bool given = false;
+  if (!object.is_object() || !object.contains("images") || !object["images"].is_array()) return false;
+  for (nlohmann::json& image : object["images"]) {
+    if (!image.is_object() || (image.contains("time_s") && !image["time_s"].is_null())) continue;
+    image["time_s"] = 0.0;
+    given = true;
+  }
+  return given;
+}
+
 }  // namespace
 
 std::optional<DigitizationFile> digitization_file(const fs::path& path) {
@@ -61,9 +74,10 @@ fs::path digitization_stem(const fs::path& session, const ShotKey& key, int numb
 }
 
 Result<Digitization> parse_digitization(std::string_view text, const ShotKey& key, const std::string& name) {
-  const auto frame = messages::frame_from_json(text);
+  auto object = nlohmann::json::parse(text, nullptr, false);
+  const bool given = give_times(object);
+  const auto frame = messages::frame_from_json(given ? object.dump() : std::string(text));
   if (!frame) return fail(name + ": " + frame.error().message);
-  const auto object = nlohmann::json::parse(text, nullptr, false);
   const auto word = [&object](const char* field) {
     const auto found = object.find(field);
     return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();

@@ -18,8 +18,8 @@ Answered<Preview> with_result(Preview preview, const host::RigFile& rig) {
   preview.found.frame.map_errors = host::map_errors(rig.camera, preview.found.frame);
   const std::string text = host::digitization_json(
       preview.found, preview.shot.photograph->filename().string(), preview.settings, false);
-  auto digitization = host::parse_digitization(text, preview.shot.key, "preview");
-  if (!digitization) return unanswered(500, digitization.error().message);
+  auto digitization = host::parse_digitization(text, preview.shot.key, "these corrections");
+  if (!digitization) return unanswered(422, digitization.error().message);
   preview.shot.digitizations.push_back(std::move(*digitization));
   preview.shot.result = host::measured_again(preview.shot, preview.shot.digitizations.back().frame);
   return preview;

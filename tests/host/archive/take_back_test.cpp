@@ -119,3 +119,17 @@ TEST(CorrectionsOfAShot, APhotographThatCannotBeReadIsToldAndStopsNothing) {
   STRCMP_CONTAINS("shot 3: ", done.problems.front().c_str());
   LONGS_EQUAL(remarks - 1, session.remarks.size());
 }
+
+TEST(CorrectionsOfAShot, AreReadWithoutTimesSinceTheFlashesHaveThem) {
+  correct(1, 14.0);
+  const fs::path file = host::digitization_stem(folder, {WrittenRun::kBoot, 1}, 1).string() + ".json";
+  const double timed = vx(read().shots[0]);
+  std::string text = testing::read_text(file);
+  for (std::size_t at = 0; (at = text.find("\"time_s\":", at)) != std::string::npos;) {
+    at += std::string_view("\"time_s\":").size();
+    text.replace(at, text.find(',', at) - at, "null");
+  }
+  testing::write_text(file, text);
+  STRCMP_CONTAINS("\"time_s\":null", text.c_str());
+  DOUBLES_EQUAL(timed, vx(read().shots[0]), 0.0);
+}

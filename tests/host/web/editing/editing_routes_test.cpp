@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -98,6 +99,22 @@ TEST(EditingRoutes, APreviewSaysWhatSavingWouldGiveAndWritesNothing) {
   STRCMP_CONTAINS("removed by shot-0001-4d-1.toml:1", shot["unmeasured"].dump().c_str());
   STRCMP_CONTAINS("event: edited\ndata: {\"session\":\"today\",\"shot\":\"1\"}",
                   hub.take_after(0, 10000).text.c_str());
+}
+
+/// Where it is no flight passes, so that times are left open.
+TEST(EditingRoutes, AnImageThatNoFlashCanHaveMadeIsMeasuredAllTheSame) {
+  const std::string added = "[[add]]\ncentre_image_px = [480, 60]\ndiameter_image_px = 64\n";
+  const ordered_json seen = json_of(ask("POST", "1/preview", body_of(added)));
+  CHECK_TRUE(seen["after"].is_object());
+  const ordered_json saved = json_of(ask("POST", "1/corrections", body_of(added)));
+  CHECK_EQUAL(seen["images"].dump(), saved["shot"]["images"].dump());
+  const auto& images = saved["shot"]["images"];
+  CHECK_TRUE(std::ranges::any_of(images, [](const ordered_json& image) {
+    return image["source"] == "hand" && !image["used"].get<bool>() && image["why_not"].is_string();
+  }));
+  const auto session = host::read_session(today, {"", key_file.string(), {}}).value();
+  CHECK_TRUE(session.remarks.empty() || session.remarks[0].find("digitizations") == std::string::npos);
+  LONGS_EQUAL(images.size(), session.shots[0].digitizations.back().frame.images.size());
 }
 
 TEST(EditingRoutes, SavingGivesTheBytesThatTheCommandGives) {
