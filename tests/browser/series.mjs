@@ -5,6 +5,7 @@ import { check, keep, leave, markup, rig, view } from './harness/lab.mjs';
 import { until } from './harness/programs.mjs';
 import { goto, shownShot, tab, tabTo } from './harness/reading.mjs';
 
+const labels = ['--spin', 'zero', '--angle', '23', '--note', `operator=${markup}`];
 const shots = 500;  // more than are fired until the series is stopped
 const gone = /^503: |ERR_CONNECTION_REFUSED|ERR_INCOMPLETE_CHUNKED_ENCODING|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|ERR_NETWORK/;
 
@@ -31,7 +32,7 @@ export function series() {
   const last = () => host.lines().at(-1);
 
   check('each shot comes to the page with the numbers that --json prints', async () => {
-    host = keep((await rig()).fire(shots, { more: ['--spin', 'zero', '--angle', '23', '--note', `operator=${markup}`] }));
+    host = keep((await rig()).fire(shots, { more: labels }));
     url = await host.address();
     first = await view(url);
     quantities = await json(url, '/api/v1/quantities');
@@ -45,6 +46,8 @@ export function series() {
       }
       return compared.size >= 3;
     }, 'three shots on the page');
+    const details = first.requests.filter((address) => new RegExp(`/shots/${[...compared][1]}$`).test(address));
+    assert.ok(details.length >= 1 && details.length <= 3, `${details.length} times asked for one shot's details`);
   });
 
   check('a page that is loaded anew in mid-series shows all that was fired, and what comes', async () => {
@@ -89,7 +92,7 @@ export function series() {
 
   check('a page whose host is gone says so, and goes on with the next one, without being loaded anew', async () => {
     for (const page of [first, second]) await page.getByRole('alert').filter({ hasText: /not connected/i }).waitFor();
-    host = keep((await rig()).fire(shots, { address: url.host }));
+    host = keep((await rig()).fire(shots, { address: url.host, more: labels }));
     await host.address();
     for (const page of [first, second]) {
       await goto(page, 'shot');

@@ -54,9 +54,9 @@ export async function screenshot(page, name) {
 
 /// What axe finds serious or critical, each with where it is. The page's policy forbids foreign scripts; the debugger's
 /// evaluation is none.
-export async function accessibility(page) {
-  await page.evaluate(axeSource);
-  const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }));
+export async function accessibility(page, { frames = true } = {}) {
+  for (const frame of frames ? page.frames() : [page.mainFrame()]) await frame.evaluate(axeSource);
+  const { violations } = await page.evaluate((iframes) => window.axe.run(document, { resultTypes: ['violations'], iframes }), frames);
   return violations
     .filter((each) => ['serious', 'critical'].includes(each.impact))
     .flatMap((each) => each.nodes.map((node) => `${each.impact} ${each.id}: ${each.help}: ${node.target.join(' ')}: ${node.failureSummary?.replaceAll('\n', ' ')}`));

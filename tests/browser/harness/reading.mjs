@@ -6,8 +6,10 @@ export async function tab(page, name) {
   await page.click(`#tabs a[data-view="${name}"]`);
 }
 
+/// Opens a view by the address behind the page's #, whose last part may be an object: the query.
 export async function goto(page, ...parts) {
-  await page.evaluate((hash) => (location.hash = hash), `#/${parts.map(encodeURIComponent).join('/')}`);
+  const query = typeof parts.at(-1) === 'object' ? `?${new URLSearchParams(parts.pop())}` : '';
+  await page.evaluate((hash) => (location.hash = hash), `#/${parts.map(encodeURIComponent).join('/')}${query}`);
 }
 
 /// {name, numbers: {label: {value, sd}}} of the shot on the page, at one instant; null while there is none.
@@ -25,7 +27,8 @@ export function shownShot(page) {
 export async function settled(page) {
   const shown = () => page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => {
     const main = document.querySelector('main');
-    resolve(main.querySelector('h1') && !/(Loading|Reading|Asking|Comparing|on its way)/.test(main.innerText) && [...document.images].every((image) => image.complete));
+    const within = [...document.querySelectorAll('iframe')].map((frame) => frame.contentDocument?.body?.innerText ?? '').join();
+    resolve(main.querySelector('h1') && !/(Loading|Reading|Asking|Comparing|on its way|being written)/.test(main.innerText + within) && [...document.images].every((image) => image.complete));
   }))));
   await until(async () => page.waiting.size === 0 && (await shown()) && page.waiting.size === 0, `${page.url()} to be read`);
 }
