@@ -48,9 +48,15 @@ function showTabs() {
   fill(document.getElementById("tabs"), h("ul", {}, links), themeChoice());
 }
 
+/// Of the address, or what the host is about.
+function routeNow() {
+  const first = live.state?.program === "commission" ? routeTo("commission") : "";
+  return parseRoute(location.hash || first);
+}
+
 /// The name of the window, seen also where another one is in front.
 function showTitle() {
-  const { title } = VIEWS.find(({ name }) => name === parseRoute(location.hash).view);
+  const { title } = VIEWS.find(({ name }) => name === routeNow().view);
   const danger = live.status?.danger ? "DANGER – " : "";
   document.title = `${danger}${title} – ${live.state?.rig || "strobe"}`;
 }
@@ -58,7 +64,7 @@ function showTitle() {
 /// A view is a function of (element, {live, route, signal}); it undoes what it set up when the signal is aborted.
 function show(moved) {
   if (!live.state) return;
-  const route = parseRoute(location.hash);
+  const route = routeNow();
   leave.abort();
   leave = new AbortController();
   main.replaceChildren();
