@@ -101,6 +101,18 @@ test("a reset that comes while all is fetched asks for it again only where it is
   assert.deepEqual([live.state.last.name, times()], ["7", 3]);
 });
 
+test("a host that ends is told of as such, and not again as lost", async (context) => {
+  const { live, told } = start(context, {
+    "/api/v1/quantities": quantities,
+    "/api/v1/live": async () => host("1", 1),
+  });
+  await live.load();
+  live.receive("end", {}, 2);
+  live.lost();
+  assert.deepEqual([live.connection.connected, live.connection.ended], [false, true]);
+  assert.equal(told.filter((kind) => kind === "connection").length, 2);
+});
+
 test("a series is fetched once for events that come while it is on its way", async (context) => {
   let series = 0;
   const { live, told, asked } = start(context, {

@@ -92,5 +92,6 @@ test("progress counts what is wanted where that is known", () => {
 test("a page that lost its host says since when", () => {
   const since = new Date("2026-11-23T15:02:11Z");
   assert.match(disconnected({ connected: false, since }), /since 15:02:11 UTC: numbers may be old/);
+  assert.match(disconnected({ connected: false, since, ended: true }), /^strobe ended at 15:02:11 UTC/);
   assert.equal(disconnected({ connected: true, since: null }), "");
 });

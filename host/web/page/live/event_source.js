@@ -1,6 +1,6 @@
 // The host's events, over connections that are opened again whenever they break.
 
-const KINDS = ["status", "shot", "series", "notification", "edited", "commission", "reset"];
+const KINDS = ["status", "shot", "series", "notification", "edited", "commission", "reset", "end"];
 const FIRST_DELAY_MS = 250;
 const LARGEST_DELAY_MS = 5000;
 const QUIET_MS = 15000;

@@ -69,7 +69,8 @@ export class Live extends EventTarget {
   }
 
   receive(kind, data, id) {
-    if (this.waiting) this.waiting.push({ kind, data, id });
+    if (kind === "end") this.lost(true);
+    else if (this.waiting) this.waiting.push({ kind, data, id });
     else if (kind === "reset") this.load();
     else if (this.state) this.apply(kind, data);
   }
@@ -103,9 +104,10 @@ export class Live extends EventTarget {
     this.loadingSeries = false;
   }
 
-  lost() {
+  /// ended: the host has said that it ends.
+  lost(ended = false) {
     if (this.connection.since) return;
-    this.connection = { connected: false, since: new Date() };
+    this.connection = { connected: false, since: new Date(), ended };
     this.tell("connection");
   }
 

@@ -73,9 +73,10 @@ export function cautions(status) {
   return words;
 }
 
-/// Whether the page itself hears its host. `connection`: {connected, since: Date | null}.
-export function disconnected(connection) {
-  if (connection.connected) return "";
-  if (!connection.since) return "";
-  return `This page has not been connected to the host since ${connection.since.toISOString().slice(11, 19)} UTC: numbers may be old.`;
+/// Whether the page itself hears its host. `connection`: {connected, since: Date | null, ended}.
+export function disconnected({ connected, since, ended }) {
+  if (connected || !since) return "";
+  const at = `${since.toISOString().slice(11, 19)} UTC`;
+  if (ended) return `strobe ended at ${at}: what is shown here was so until then.`;
+  return `This page has not been connected to the host since ${at}: numbers may be old.`;
 }
