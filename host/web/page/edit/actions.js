@@ -1,7 +1,7 @@
 // Buttons of the editor, the list of who measured the photograph and when, and what is told beside them.
 
 import { h } from "../parts/dom.js";
-import { button } from "../photograph/controls.js";
+import { button as plainButton } from "../photograph/controls.js";
 import { dateAndTime } from "../words/times.js";
 
 const kinds = { auto: "the digitizer", hand: "by hand", corrected: "corrected" };
@@ -13,8 +13,10 @@ function digitizationWords({ utc, who, kind }, position, count) {
   return `${when}: ${kinds[kind] ?? kind}${by}${counts}`;
 }
 
+/// What cannot be done just now is marked, not disabled: a button that is loses the focus, and with it the keys.
 /// act: {undo, redo, add, surface, save, discard, undoNewest, close}.
 export function createActions(act) {
+  const button = (words, action, options) => plainButton(words, ({ currentTarget }) => currentTarget.getAttribute("aria-disabled") !== "true" && action(), options);
   const buttons = {
     undo: button("Undo step", act.undo, { key: "Control+Z" }),
     redo: button("Redo step", act.redo, { key: "Control+Y" }),
@@ -48,7 +50,7 @@ export function createActions(act) {
     fail: (words) => { failed.textContent = words; },
     /// can: {undo, redo, save, discard, undoNewest}; pressed: {add, surface}.
     show(can, pressed, digitizations) {
-      for (const [name, whether] of Object.entries(can)) buttons[name].disabled = !whether;
+      for (const [name, whether] of Object.entries(can)) buttons[name].setAttribute("aria-disabled", String(!whether));
       for (const [name, whether] of Object.entries(pressed)) buttons[name].setAttribute("aria-pressed", String(whether));
       list.replaceChildren(...digitizations.map((each, i) => h("li", {}, digitizationWords(each, i, digitizations.length))));
     },
