@@ -55,7 +55,7 @@ const std::map<std::string, std::vector<Layer>> kLayers{
           "host/series"},
          {"host/commission/balls", "host/view"},
          {"host/commission"},
-         {"host/report/content", "host/web/json"},
+         {"host/report/content", "host/web/commission", "host/web/json"},
          {"host/report/sections", "host/web/live"},
          {"host/commands/reduce", "host/report", "host/thesis/tables"},
          {"host/web/archive"},

@@ -1,0 +1,33 @@
+// Commissioning as JSON: the record of a rig, or the run under way. Pure; thread-safe; allocates.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/commission/commissioning.hpp"
+#include "host/commission/record/record.hpp"
+
+namespace strobe::web {
+
+/// {"running":false,"rig","utc","operator","age_days","max_age_days","standing","good","prompt":null,"waiting":"","steps":[…]}
+nlohmann::ordered_json record_json(const commission::Record& record,
+                                   std::span<const commission::StepInfo> infos, const host::RigFile& rig,
+                                   WallTime now);
+
+/// What a run shows of itself.
+struct RunView {
+  std::string rig, utc, operator_name;
+  double max_age_days = 0.0;
+  bool running = true;
+  std::vector<commission::StepView> steps;
+  std::optional<commission::Prompt> prompt;
+  std::string prompted_step;  ///< its id
+  std::string waiting;
+};
+/// Likewise; "prompt" is {"step","kind","words","moves"} while a person is asked.
+nlohmann::ordered_json run_json(const RunView& run);
+
+}  // namespace strobe::web
