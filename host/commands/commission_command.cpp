@@ -24,6 +24,7 @@ struct CommissionOptions {
   std::string rig_path, session, url, key_file, from;
   std::vector<std::string> only, skip;
   PhotographOptions photographs;
+  WebOptions web;
   double wait_s = 60.0;
   bool yes = false, json = false, list = false;
 };
@@ -62,6 +63,8 @@ Result<CommissionRequest> request_of(const CommissionOptions& options) {
       options.session.empty() ? "commission-" + utc_for_file(MachineClock().read().wall) : options.session;
   request.rig = std::move(*rig);
   request.photographs = options.photographs;
+  request.key_file = options.key_file;
+  request.web = options.web;
   request.wait_s = options.wait_s;
   request.yes = options.yes;
   request.json = options.json;
@@ -108,6 +111,7 @@ void add_options(CLI::App& command, CommissionOptions& options) {
   command.add_flag("--yes", options.yes,
                    "for scripts: every question is answered with yes; OUTPUTS MOVE UNASKED");
   command.add_flag("--json", options.json, "one JSON object a step on standard output, nothing else there");
+  add_web_options(command, options.web);
   add_photograph_options(command, options.photographs);
   command.add_option("--lcm-url", options.url, "LCM URL (default: the rig file's, else this machine only)")
       ->check(wire::lcm_url_problem);
@@ -122,10 +126,11 @@ void add_commission_command(CLI::App& app, int& exit_status) {
   CLI::App* command =
       app.add_subcommand("commission", "Prove a rig, step by step; each step says what to do");
   add_options(*command, *options);
-  command_line::for_experts(*command, {"--effort", "--lcm-url", "--key-file"});
+  command_line::for_experts(*command, {"--effort", "--lcm-url", "--key-file", "--sessions", "--web-files"});
   command->footer(
       "Each step says what will move before it moves, waits for Enter, and passes or fails with a number. "
-      "Ctrl-C disarms and keeps what is done; run again, it goes on where it stopped. A step is done again "
+      "Ctrl-C disarms and keeps what is done; run again, it goes on where it stopped. The page of --web "
+      "shows it all, and takes confirmations of what moves nothing. A step is done again "
       "when "
       "its part of the rig file has changed.\n"
       "Example: strobe commission --rig rig.toml --session commissioning\n"

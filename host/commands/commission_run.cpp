@@ -7,6 +7,7 @@
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/commission_console.hpp"
+#include "host/commands/commission_page.hpp"
 #include "host/commands/kept_record.hpp"
 #include "host/commands/operator_name.hpp"
 #include "host/commands/terminal.hpp"
@@ -101,7 +102,7 @@ int conclude(const CommissionRequest& request, const Commissioning& commissionin
 }
 
 int run(const CommissionRequest& request, SessionFolder& folder, RecordFile& record_file,
-        const commission::Record& former, Transport& link, Clock& clock) {
+        const commission::Record& former, CommissionPage& page, Transport& link, Clock& clock) {
   LoggedTransport transport(link, folder, clock);
   HostLoopSettings loop_settings{
       request.rig.rig, assembly_settings(request.rig), random_host_id(), true, request.key, false,
@@ -118,6 +119,12 @@ int run(const CommissionRequest& request, SessionFolder& folder, RecordFile& rec
   CommissionConsole console(request.json);
   commissioning.add_listener(record);
   commissioning.add_listener(console);
+  page.attach(loop, clock);
+  web::RunView frame;
+  frame.rig = request.rig.rig;
+  frame.utc = utc_for_table(clock.read().wall);
+  frame.operator_name = operator_name();
+  frame.max_age_days = request.rig.commission.max_age_days;
   std::fprintf(stderr, "strobe: commissioning rig %s on %s; session %s, record %s\n", request.rig.rig.c_str(),
                request.url.c_str(), request.session.c_str(), request.record_path.c_str());
   bool receiving = true;
@@ -125,6 +132,7 @@ int run(const CommissionRequest& request, SessionFolder& folder, RecordFile& rec
     if (interrupted()) commissioning.stop();
     if (!request.yes) console.read(commissioning);
     commissioning.step();
+    page.step(loop, commissioning, frame);
     folder.tend();
   }
   loop.end_photographs();
@@ -146,6 +154,10 @@ int run_commission(const CommissionRequest& request) {
   const auto former = commission::read_record(request.record_path);
   if (!former) return bad_input(former.error().message);
   for (const std::string& remark : former->remarks) std::fprintf(stderr, "strobe: %s\n", remark.c_str());
+  auto page = CommissionPage::open(
+      request.web, {"commission", STROBE_VERSION, request.session, request.key_file, std::nullopt},
+      request.rig);
+  if (!page) return bad_input(page.error().message);
   auto record_file = RecordFile::open(request.record_path, RecordFile::Use::shared);
   if (!record_file) return bad_input(record_file.error().message);
   // What a power cut tore stays a line of its own.
@@ -159,7 +171,7 @@ int run_commission(const CommissionRequest& request) {
   auto link = LcmLink::open(request.url, request.rig.rig);
   if (!link) return failed(link.error().message);
   catch_signals();
-  return run(request, **folder, *record_file, *former, **link, clock);
+  return run(request, **folder, *record_file, *former, **page, **link, clock);
 }
 
 }  // namespace strobe::host

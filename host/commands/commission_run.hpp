@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/authentication/key.hpp"
+#include "host/commands/web_page.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/photographs/open_pipeline.hpp"
 
@@ -18,7 +19,9 @@ struct CommissionRequest {
   authentication::Key key;
   RigFile rig;
   std::string rig_path, record_path, url, session;
+  std::string key_file;  ///< as of --key-file
   PhotographOptions photographs;
+  WebOptions web;
   std::set<std::string> only;
   std::string from;
   std::map<std::string, std::string> skip;  ///< step: why

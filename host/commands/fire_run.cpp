@@ -8,6 +8,7 @@
 #include "host/commands/shot_text.hpp"
 #include "host/loop/stored_series.hpp"
 #include "host/messages/lcm_link.hpp"
+#include "host/web/commission/commission_routes.hpp"
 
 namespace strobe::host {
 namespace {
@@ -291,7 +292,8 @@ int run_fire(const FireRequest& request) {
                  request.session.c_str(), request.series.counted, request.series.shots);
     return kDone;
   }
-  auto page = WebPage::open(request.web, {"fire", request.run.version, request.session, request.key_file, request.condition}, request.rig);
+  auto page = WebPage::open(request.web, {"fire", request.run.version, request.session, request.key_file, request.condition}, request.rig,
+                            [&](web::Router& router, web::EventHub&) { web::add_record_route(router, request.run.rig_file); });
   if (!page) return bad_input(page.error().message);
   MachineClock clock;
   auto folder = SessionFolder::open(

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <string_view>
@@ -22,6 +23,8 @@ namespace strobe::sim {
 namespace {
 
 constexpr int kBroken = -1;
+constexpr int kTries = 100;
+constexpr std::chrono::milliseconds kTryEvery{100};
 
 struct Deed {
   std::string_view asked;  ///< in the command's words
@@ -52,6 +55,16 @@ void obey(Chip& chip, std::string_view line) {
   }
 }
 
+/// A rig that was started just before may take a moment.
+Result<Chip> attach(const std::string& chip_dir) {
+  auto chip = Chip::attach(chip_dir);
+  for (int tries = 0; !chip && tries < kTries; ++tries) {
+    std::this_thread::sleep_for(kTryEvery);
+    chip = Chip::attach(chip_dir);
+  }
+  return chip;
+}
+
 /// What the command says goes on to standard error.
 void listen(int said, Chip& chip) {
   std::array<char, 4096> bytes{};
@@ -74,7 +87,7 @@ void listen(int said, Chip& chip) {
 }  // namespace
 
 int operator_command(const std::string& chip_dir, const std::vector<std::string>& command) {
-  auto chip = Chip::attach(chip_dir);
+  auto chip = attach(chip_dir);
   if (!chip) return report_error(chip.error().message, 2);
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return report_error(std::string("pipe: ") + std::strerror(errno), 1);

@@ -22,7 +22,7 @@ std::string list(const std::vector<std::string>& ids) {
 
 std::string words_of(const Standing& standing) {
   if (standing.state == Standing::State::absent) return "not commissioned";
-  std::vector<std::string> failed, missing, changed, old;
+  std::vector<std::string> failed, missing, changed, old, left_out;
   for (const Standing::Line& line : standing.lines) {
     if (line.step == nullptr) {
       missing.push_back(line.info.id);
@@ -32,6 +32,8 @@ std::string words_of(const Standing& standing) {
       changed.push_back(line.info.id);
     } else if (line.old) {
       old.push_back(line.info.id);
+    } else if (line.step->result.state == StepState::skipped) {
+      left_out.push_back(line.info.id);
     }
   }
   std::string text = fmt::format("commissioned on {}", standing.newest_utc.substr(0, 10));
@@ -39,6 +41,7 @@ std::string words_of(const Standing& standing) {
   if (!changed.empty()) text += "; before the rig file's change: " + list(changed);
   if (!old.empty()) text += "; too old: " + list(old);
   if (!missing.empty()) text += "; never done: " + list(missing);
+  if (!left_out.empty()) text += "; left out: " + list(left_out);
   return text;
 }
 

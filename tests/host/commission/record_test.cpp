@@ -118,6 +118,13 @@ TEST(CommissionRecord, TellsWhatFailedIsMissingIsOldOrCameBeforeAChange) {
               standing(record, kInfos, rig_of(replaced(kRig, "lag_ms = 45", "lag_ms = 46")), day()).words);
 }
 
+TEST(CommissionRecord, TellsWhatWasLeftOut) {
+  const Record record = whole(StepState::skipped);
+  const Standing stands = standing(record, kInfos, rig, day());
+  CHECK_TRUE(stands.state == State::good);
+  CHECK_EQUAL("commissioned on 2026-11-23; left out: lamp_a", stands.words);
+}
+
 TEST(CommissionRecord, TheNewestResultOfAStepCounts) {
   Record record = whole(StepState::failed);
   record.steps.push_back(step_of(kInfos[0], StepState::passed, rig, "2026-11-23T11:00:00.000Z"));
