@@ -1,7 +1,7 @@
 // The rig proved step by step: the run under way, or its record. Viewers may confirm what only watches inputs; whatever makes
 // outputs move is answered at the console.
 import { getJson, path, postJson } from "../live/api.js";
-import { fill, h, setText } from "../parts/dom.js";
+import { fill, h, refill, setText } from "../parts/dom.js";
 import { badge, problem, quiet, viewHeading } from "../parts/notices.js";
 import { recordWords, stepDoubts, stepNumber, stepState } from "../words/commissioning.js";
 
@@ -14,8 +14,8 @@ export function commissionView(main, { live, signal }) {
   const show = (record) => {
     const { level, title, text } = recordWords(record);
     fill(summary, badge(level, title), ` ${text}`);
-    const key = JSON.stringify([record.prompt, record.waiting]);
-    if (key !== askedShown) fill(asked, promptContent(record));
+    const key = JSON.stringify([record.prompt, record.waiting, record.steps.map(({ state }) => state)]);
+    if (key !== askedShown) refill(asked, promptContent(record));
     askedShown = key;
     fill(steps, record.steps.map(stepItem));
   };
@@ -32,7 +32,9 @@ export function commissionView(main, { live, signal }) {
   load();
 }
 
-function promptContent({ prompt, waiting }) {
+function promptContent({ prompt, waiting, steps }) {
+  const step = steps.find(({ state }) => state === "running" || state === "waiting");
+  const heading = (what) => h("h2", {}, step ? `${what}: ${step.title}` : what);
   const answer = h("p", { class: "answer" });
   const send = (what, body, done) => () =>
     postJson(path("commission", what), body).then(
@@ -43,7 +45,7 @@ function promptContent({ prompt, waiting }) {
   if (prompt) {
     const console = h("p", {}, h("strong", {}, "Answer at the console: "), "it makes outputs move.");
     return [
-      h("h2", {}, "Asked"),
+      heading("Asked"),
       h("p", {}, prompt.words),
       prompt.moves ? console : button("Confirm", send("confirm", { step: prompt.step }, "Confirmed.")),
       answer,
@@ -51,7 +53,7 @@ function promptContent({ prompt, waiting }) {
   }
   if (!waiting) return null;
   return [
-    h("h2", {}, "Waiting"),
+    heading("Under way"),
     h("p", {}, waiting),
     button("More time", send("more_time", {}, "There is more time now.")),
     answer,
