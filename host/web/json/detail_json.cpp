@@ -55,7 +55,7 @@ ordered_json digitizations_json(const StoredShot& shot) {
 }
 
 /// The corrections in force, as they were typed.
-ordered_json corrections_json(const StoredShot& shot) {
+ordered_json corrections_text_json(const StoredShot& shot) {
   if (shot.digitizations.empty() || shot.digitizations.back().corrections.empty()) return nullptr;
   const auto text = config::read_file(shot.digitizations.back().corrections.string());
   return text ? ordered_json(*text) : ordered_json();
@@ -142,7 +142,7 @@ ordered_json detail_json(const StoredShot& shot, const std::string& session_id,
   object["ball_diameter_m"] = shot.rig->ball.diameter_m;
   object["surface_by_hand"] = kept.is_object() && kept.value("surface_source", ordered_json()) == "hand";
   object["digitizations"] = digitizations_json(shot);
-  object["corrections"] = corrections_json(shot);
+  object["corrections"] = corrections_text_json(shot);
   object["budget"] = host::budget_json(host::budget_of(shot), shot.result.readout);
   object["train"] = train_json(shot.result);
   return object;
