@@ -300,6 +300,16 @@ function newestOnly(host) {
   };
 }
 
+test("while something is dragged the readout follows: what was wanted first does not wait for the last", () => {
+  const host = slowHost();
+  const { preview, moment } = newestOnly(host);
+  preview.want("a");
+  preview.want("b");
+  moment();
+  preview.want("c");
+  assert.deepEqual(host.asked, ["b"]);
+});
+
 test("many changes in a moment are one question, the newest", async () => {
   const host = slowHost();
   const { preview, told, moment } = newestOnly(host);

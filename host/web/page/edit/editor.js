@@ -82,18 +82,21 @@ export class Editor {
 
   changed() {
     this.draw();
-    if (this.model.attempting()) return;
-    this.actions.tell("");
+    if (!this.model.attempting()) this.keep();
     this.ask();
+  }
+
+  /// A step is made.
+  keep() {
+    this.actions.tell("");
+    keepDraft(this.host.session, this.host.shot, this.found, this.unsaved() ? this.model.edits() : null);
   }
 
   /// The preview of what is to be seen, unless it is asked for already.
   ask() {
-    const { session, shot } = this.host;
-    const text = this.model.text();
+    const text = this.model.attemptedText();
     if (text === this.asked || this.ended.signal.aborted) return;
     this.asked = text;
-    keepDraft(session, shot, this.found, text === this.savedText ? null : this.model.edits());
     if (text !== "" && text !== this.savedText) {
       this.preview.want(text);
       return;

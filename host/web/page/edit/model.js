@@ -62,6 +62,8 @@ export function createModel({ found, first = noEdits, draft = null, photo, chang
     adding: () => adding,
     attempting: () => attempt !== null,
     text: () => correctionsText(found, undo.state()),
+    /// With what a drag tries.
+    attemptedText: () => correctionsText(found, edits()),
     canUndo: undo.canUndo,
     canRedo: undo.canRedo,
     isChanged: (key) => isChanged(undo.state(), key) || isRemoved(undo.state(), key),

@@ -1,10 +1,10 @@
-// Asks for the newest only: waits until nothing more is wanted for a moment, has one question under way at a time, and
-// drops answers to what is no longer asked. Pure but for the timer and the question, which are given.
+// Asks for the newest only: has one question under way at a time, the next one a moment after it was wanted or when the one
+// before is answered, and drops answers to what is no longer asked. Pure but for the timer and the question, which are given.
 
 /**
  * ask(text) -> promise; answered(answer, text), failed(error, text): for the newest only; busy(whether).
  */
-export function createNewestOnly({ ask, answered, failed, busy = () => {}, delay_ms = 150, later = setTimeout, never = clearTimeout }) {
+export function createNewestOnly({ ask, answered, failed, busy = () => {}, delay_ms = 50, later = setTimeout, never = clearTimeout }) {
   let wanted = null;
   let timer = null;
   let underWay = false;
@@ -35,8 +35,7 @@ export function createNewestOnly({ ask, answered, failed, busy = () => {}, delay
     want(text) {
       wanted = text;
       busy(true);
-      if (timer !== null) never(timer);
-      timer = later(send, delay_ms);
+      if (timer === null && !underWay) timer = later(send, delay_ms);
     },
     /// What is under way is no longer of interest.
     forget() {

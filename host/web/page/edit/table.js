@@ -18,7 +18,7 @@ export function createTable() {
   const others = emptyTable("Its other numbers");
   const rest = h("details", {}, h("summary", {}, "All numbers"), h("div", { class: "edit-wide", tabindex: "0", role: "group", "aria-label": "All numbers, before and after" }, others.element));
   const note = h("p", { class: "edit-note" }, "A change of one sd is as large as the value before was uncertain.");
-  const state = h("p", { class: "edit-state", role: "status" });
+  const state = h("p", { class: "edit-state" });
   const verdict = h("p", { class: "edit-verdict" });
   const problem = h("p", { class: "edit-problem", role: "alert" });
   const wide = h("div", { class: "edit-wide", tabindex: "0", role: "group", "aria-label": "The readout, before and after" }, essentials.element);
