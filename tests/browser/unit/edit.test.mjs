@@ -400,6 +400,14 @@ test("arrows move by a tenth of a px, with Shift by one, up being up on the scre
   assert.ok(Math.abs(column - 100.1) < 1e-9 && Math.abs(row - 199) < 1e-9);
 });
 
+test("after a drag, when the photograph has the focus, keys still move what is chosen; those of another image do not", () => {
+  const { press, image } = keyed();
+  assert.equal(press("ArrowRight", { target: null }), true);
+  assert.ok(Math.abs(image().centre_px[0] - 100.1) < 1e-9);
+  assert.equal(press("ArrowRight", { target: "found-1" }), false);
+  assert.ok(Math.abs(image().centre_px[0] - 100.1) < 1e-9);
+});
+
 test("brackets change the diameter, points the equator, n says that none is seen, Delete removes", () => {
   const { model, press, image } = keyed();
   press("]");

@@ -116,7 +116,8 @@ export function createTool({ model, stage, marks, escaped }) {
     if (event.key === "Enter" && model.adding()) return marks.focus(model.add(stage.middle())), true;
     if (focused && (event.key === "Enter" || event.key === " ")) return model.select(focused), true;
     const item = model.selectedItem();
-    if (!item || item.status === "removed" || focused !== item.key) return false;
+    // After a drag the stage has the focus; another image that has it is not meant.
+    if (!item || item.status === "removed" || (focused && focused !== item.key)) return false;
     if (arrows[event.key]) return nudge(event), true;
     return adjust(event);
   }
