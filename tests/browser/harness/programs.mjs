@@ -23,12 +23,13 @@ export async function until(condition, what, wait = longestWait) {
 export class Program {
   #started;
   #arrivals = [];
-  constructor(command, args, { cwd, env } = {}) {
+  /// `console`: its standard input stays open, as of a person who types nothing.
+  constructor(command, args, { cwd, env, console = false } = {}) {
     this.name = `${command.split('/').pop()} ${args[0] ?? ''}`;
     this.out = '';
     this.err = '';
     this.status = undefined;  // {code, signal} when it has ended
-    this.#started = spawn(command, args, { cwd, env: { ...process.env, ...env }, detached: true, stdio: ['ignore', 'pipe', 'pipe'] });
+    this.#started = spawn(command, args, { cwd, env: { ...process.env, ...env }, detached: true, stdio: [console ? 'pipe' : 'ignore', 'pipe', 'pipe'] });
     this.#started.stdout.setEncoding('utf8').on('data', (text) => {
       this.out += text;
       this.#arrivals.push({ length: this.out.length, at: performance.timeOrigin + performance.now() });

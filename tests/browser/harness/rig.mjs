@@ -21,8 +21,8 @@ async function wakeAhead(file) {
 
 /// A strobe that serves the page: where, and what it prints.
 export class Host extends Program {
-  constructor(words) {
-    super(program('strobe'), words);
+  constructor(words, options) {
+    super(program('strobe'), words, options);
   }
   /// Once it is served.
   async address() {
@@ -69,6 +69,13 @@ export class Rig {
 
   live(options = {}) {
     return this.#host(['live', '--sessions', this.sessions, '--json'], options);
+  }
+
+  /// Steps of commissioning, confirmed on the page or by nobody.
+  commission(steps) {
+    const only = steps.flatMap((step) => ['--only', step]);
+    return new Host(['commission', '--rig', this.file, '--lcm-url', this.lcmUrl, '--session', join(this.sessions, 'commissioning'),
+      '--web', '127.0.0.1:0', '--json', '--wait', '180', ...only], { console: true });
   }
 
   /// From outside, as a person turns a key: "KEY=0".
