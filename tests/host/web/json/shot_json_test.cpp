@@ -1,5 +1,7 @@
 #include "host/web/json/shot_json.hpp"
 
+#include <rapidcheck.h>
+
 #include <nlohmann/json.hpp>
 
 #include "host/assembly/assemble.hpp"
@@ -108,6 +110,20 @@ TEST(ShotJson, TornLinesAndAnyBytesAreNoRows) {
   const auto odd = web::shot_rows("now,2a,1,,1e999,nan,x\n");
   LONGS_EQUAL(1, odd.size());
   CHECK_FALSE(odd[0].value[Quantity::theta_in_deg].has_value());
+}
+
+TEST(ShotJson, OfAnyBytesIsTextThatReadsBack) {
+  const std::string good = table({measured()});
+  CHECK_TRUE(rc::check("of a table with a piece of it replaced", [&] {
+    std::string text = good;
+    const auto at = *rc::gen::inRange<std::size_t>(0, text.size());
+    text.replace(at, *rc::gen::inRange<std::size_t>(0, 40), *rc::gen::arbitrary<std::string>());
+    for (const web::ShotRow& row : web::shot_rows(text)) {
+      const std::string line = web::shot_json(row, text.substr(at, 9))
+                                   .dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+      RC_ASSERT(ordered_json::parse(line)["values"].size() == reduction::kQuantityCount);
+    }
+  }));
 }
 
 TEST(ShotJson, QuantitiesAreInTheScreensOrder) {
