@@ -121,6 +121,7 @@ test("a missing, a doubtful and a good record of commissioning are told apart", 
     text: "The rig is commissioned on 2026-11-01. The oldest step is 3 days old, at most 90 days are allowed, newest step by AB.",
   });
   assert.equal(recordWords({ ...good, good: false }).level, "caution");
+  assert.match(recordWords({ ...good, age_days: 0 }).text, /less than a day old/);
 });
 
 test("a run under way counts its steps", () => {

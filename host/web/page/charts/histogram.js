@@ -3,7 +3,7 @@ import { svg } from "../parts/dom.js";
 import { fixed } from "../words/numbers.js";
 import { roundTicks } from "./scale.js";
 
-const WIDTH = 560,
+const WIDTH = 420,
   HEIGHT = 130,
   BOTTOM = 20,
   SIDE = 14;
@@ -30,7 +30,7 @@ export function histogram({ bin_first: first, bin_width: width, bins }) {
         width: Math.max(1, x(first + (i + 1) * width) - x(first + i * width) - 1),
       }),
   );
-  const { ticks, decimals } = roundTicks(first, last, 6);
+  const { ticks, decimals } = roundTicks(first, last, 5);
   const labels = ticks.map((tick) =>
     svg("text", { x: x(tick), y: HEIGHT - 5, "text-anchor": "middle" }, fixed(tick, decimals)),
   );

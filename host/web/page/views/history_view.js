@@ -36,7 +36,7 @@ function sessionsTable(sessions) {
       dateAndTime(s.utc),
       s.rig ?? "",
       condition(s),
-      `${s.counted} of ${s.shots}`,
+      `${s.counted} of ${s.shots} counted`,
       h("a", { href: routeTo("series", [s.id]), "aria-label": `Series of ${s.id}` }, "series"),
       h("a", { href: routeTo("report", [s.id]), "aria-label": `Report of ${s.id}` }, "report"),
     ],
@@ -49,12 +49,12 @@ function sessionsTable(sessions) {
       { title: "begun, UTC", words: true },
       { title: "rig", words: true },
       { title: "spin, angle", words: true },
-      { title: "counted" },
+      { title: "shots" },
       { title: "its series", hidden: true, words: true },
       { title: "its report", hidden: true, words: true },
     ],
     rows,
-    { className: "rows" },
+    { className: "rows session-rows" },
   );
 }
 

@@ -7,7 +7,7 @@ import { routeTo } from "../words/routes.js";
 export async function reportView(main, { live, route, signal }) {
   const session = route.parts[0] ?? live.session;
   const choice = h("div", { class: "report-choice" });
-  const place = h("div", { class: "report" });
+  const place = h("div", { class: "report" }, quiet("Reading the sessions."));
   fill(main, viewHeading("Report"), choice, place);
   try {
     const sessions = await getJson(path("sessions"), signal);

@@ -1,6 +1,5 @@
 // The firmware's timing in sentences. Pure.
-import { fixed, microseconds, rounded } from "./numbers.js";
-import { duration } from "./times.js";
+import { count, fixed, microseconds, rounded } from "./numbers.js";
 
 export const TIMINGS = [
   {
@@ -62,5 +61,6 @@ export function clockWords(clock) {
 }
 
 export function ageWords(days) {
-  return Number.isFinite(days) ? `${duration(days * 86400)} old` : "of unknown age";
+  if (!Number.isFinite(days)) return "of unknown age";
+  return days < 1 ? "less than a day old" : `${count(Math.floor(days), "day")} old`;
 }
