@@ -47,8 +47,9 @@ class PhotographView {
     this.under = h("div", { class: "photograph-under" });
     this.unmeasured = createUnmeasured({ session, shot, changed: () => this.show() });
     this.side = h("div", { class: "photograph-side" }, this.panel.element);
+    const tools = createTools(this.stage, this.unmeasured.button, canEdit && this.correct);
     this.frame = h("div", { class: "photograph" }, h("div", { class: "photograph-main" },
-      createTools(this.stage, this.unmeasured.button, canEdit && this.correct), this.stage.element, this.problem, this.under, this.legend.element), this.side);
+      tools, this.stage.element, this.problem, this.under, this.legend.element), this.side);
     fill(element, h("div", { class: "photograph-room" }, this.frame));
     this.chooser = createChooser({ stage: this.stage, marks: this.marks, items: () => this.items(), places: () => this.places(),
       chosen: () => this.chosen, choose: (key) => this.choose(key) });
@@ -93,7 +94,8 @@ class PhotographView {
     this.stage.setFocus(image?.centre_px ?? place?.centre_px ?? null);
     this.marks.show({ items, places, surface_px: this.detail.surface_px, selected: this.chosen, enlarged, editing: false }, this.stage.view().scale);
     this.legend.show(enlarged);
-    this.panel.show({ image, place, mmPerPx: millimetresPerPx(this.detail), first_s: firstTime(this.detail.images), unmeasured: this.unmeasuredPlaces() });
+    this.panel.show({ image, place, mmPerPx: millimetresPerPx(this.detail), first_s: firstTime(this.detail.images),
+      unmeasured: this.unmeasuredPlaces() });
   }
 
   edit() {

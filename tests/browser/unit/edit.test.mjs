@@ -84,6 +84,11 @@ right_image_px = [390.0, 303.5]
   assert.equal(correctionsText(found, state.noEdits), "");
 });
 
+test("an equator that was turned round and round is within what the file takes", () => {
+  const text = correctionsText(found, state.measure(state.noEdits, "found-0", { equator_deg: 750 }));
+  assert.match(text, /equator_image_deg = 30\.0\n/);
+});
+
 test("the host's list of corrections becomes edits, and those again the same text", () => {
   const list = [
     { kind: "remove", at_px: [181, 202] },
@@ -236,6 +241,8 @@ test("the rim's handle sets the diameter, the equator's its angle, the middle's 
   assert.deepEqual(dragged("rim", image, [0, 0], [130, 140]), { diameter_px: 100 });
   assert.ok(Math.abs(dragged("equator", image, [0, 0], [110, 90]).equator_deg - 45) < 1e-9);
   assert.ok(Math.abs(dragged("equator", image, [0, 0], [90, 110]).equator_deg - 45) < 1e-9);
+  const steep = { centre_px: [100, 100], equator_rad: 146 * Math.PI / 180 };
+  assert.ok(Math.abs(dragged("equator", steep, [0, 0], [90, 90]).equator_deg - 135) < 1e-9, "its handle does not jump to the other side");
   assert.deepEqual(dragged("centre", image, [103, 100], [105, 98]), { centre: [102, 98] });
 });
 

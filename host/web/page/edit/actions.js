@@ -16,7 +16,9 @@ function digitizationWords({ utc, who, kind }, position, count) {
 /// What cannot be done just now is marked, not disabled: a button that is loses the focus, and with it the keys.
 /// act: {undo, redo, add, surface, save, discard, undoNewest, close}.
 export function createActions(act) {
-  const button = (words, action, options) => plainButton(words, ({ currentTarget }) => currentTarget.getAttribute("aria-disabled") !== "true" && action(), options);
+  const button = (words, action, options) => plainButton(words, ({ currentTarget }) => {
+    if (currentTarget.getAttribute("aria-disabled") !== "true") action();
+  }, options);
   const buttons = {
     undo: button("Undo step", act.undo, { key: "Control+Z" }),
     redo: button("Redo step", act.redo, { key: "Control+Y" }),

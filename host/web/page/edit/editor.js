@@ -29,7 +29,8 @@ export class Editor {
     this.show();
     this.changed();
     if (draft) this.actions.tell("Corrections that were not saved are here again.");
-    if (lost.length > 0) this.actions.fail(`Of the corrections that count, ${lost.length} no longer mean an image that is found: saved again, they are left out.`);
+    if (lost.length > 0)
+      this.actions.fail(`Of the corrections that count, ${lost.length} no longer mean an image that is found: saved again, they are left out.`);
     this.askQuantities();
   }
 
@@ -61,7 +62,8 @@ export class Editor {
     fill(host.element, actions.head, this.fields.element, actions.foot, actions.told, actions.failed, actions.keys, actions.history);
     host.stage.element.classList.add("is-correcting");
     host.stage.setTool(createTool({ model: this.model, stage: host.stage, marks: host.marks, escaped: () => this.escape() }));
-    for (const part of [host.stage.element, host.element]) part.addEventListener("keydown", (event) => this.undoKey(event), { signal: this.ended.signal });
+    for (const part of [host.stage.element, host.element])
+      part.addEventListener("keydown", (event) => this.undoKey(event), { signal: this.ended.signal });
   }
 
   async askQuantities() {

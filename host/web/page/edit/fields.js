@@ -5,6 +5,12 @@ import { button } from "../photograph/controls.js";
 import { nameOf } from "../photograph/words.js";
 
 const degrees = 180 / Math.PI;
+/// Standard deviations by hand, each of a number that was measured by hand.
+const SDS = {
+  centre_sd_px: { label: "Middle's sd, px", of: "centre" },
+  diameter_sd_px: { label: "Diameter's sd, px", of: "diameter_px" },
+  equator_sd_deg: { label: "Equator's sd, °", of: "equator_deg" },
+};
 const rounded = (value) => (Number.isFinite(value) ? String(Number(value.toFixed(3))) : "");
 
 function numberField(label, step, set) {
@@ -43,9 +49,8 @@ function imageFields(model) {
   const equator = numberField("Equator, °", 0.1, (v) => change("turn the equator of", { equator_deg: v }));
   const none = checkField("No equator is seen", () => model.toggleEquator());
   const leg = legField((v) => change("set the leg of", { leg: v }));
-  const sds = ["centre_sd_px", "diameter_sd_px", "equator_sd_deg"].map((name) =>
-    ({ name, field: numberField({ centre_sd_px: "Middle's sd, px", diameter_sd_px: "Diameter's sd, px", equator_sd_deg: "Equator's sd, °" }[name], 0.1,
-      (v) => change("say how well was measured", { [name]: v > 0 ? v : null })) }));
+  const sds = Object.entries(SDS).map(([name, { label, of }]) => ({ name, of,
+    field: numberField(label, 0.1, (v) => change("say how well was measured", { [name]: v > 0 ? v : null })) }));
   const well = h("details", {}, h("summary", {}, "How well by hand"),
     h("p", {}, "Left empty: 0.5 mm, and 1° for the equator, as by hand on a tablet."), ...sds.map(({ field }) => field.element));
   const element = h("div", { class: "edit-fields" }, column.element, row.element, diameter.element, equator.element, none.element, leg.element, well);
@@ -60,9 +65,9 @@ function imageFields(model) {
       equator.enable(!measured.no_equator);
       none.show(measured.no_equator);
       leg.show(measured.leg);
-      for (const { name, field } of sds) {
+      for (const { name, of, field } of sds) {
         field.show(measured[name]);
-        field.enable({ centre_sd_px: "centre", diameter_sd_px: "diameter_px", equator_sd_deg: "equator_deg" }[name] in measured);
+        field.enable(of in measured);
       }
     },
   };

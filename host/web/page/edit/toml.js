@@ -24,8 +24,11 @@ function table(heading, entries) {
   return [heading, ...entries.map(([name, value]) => `${name} = ${valueText(name, value)}`), ""].join("\n");
 }
 
+/// A line turned all the way round is the same line; the file's range ends somewhere.
+const told = (name, value) => (name === "equator_deg" && Math.abs(value) > 180 ? value - 180 * Math.round(value / 180) : value);
+
 const measuredEntries = (measured) =>
-  order.filter((name) => name in measured).map((name) => [fileNames[name] ?? name, measured[name]]);
+  order.filter((name) => name in measured).map((name) => [fileNames[name] ?? name, told(name, measured[name])]);
 
 function surfaceEntries({ ends: [left, right], sd_px: sd }) {
   return [["left_image_px", left], ["right_image_px", right], ...(sd > 0 ? [["sd_px", sd]] : [])];

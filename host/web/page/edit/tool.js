@@ -5,6 +5,7 @@ import { diameterEnds, handleAt, imageAt, lineAngleRad } from "../photograph/geo
 
 const mouseReach_px = 12;
 const touchReach_px = 24;
+const DEGREES = 180 / Math.PI;
 const steps = { fine: 0.1, coarse: 1 };
 
 /// Points of the photograph where the chosen thing can be taken hold of, by what a drag of it changes.
@@ -24,11 +25,16 @@ export function handlesOf(model) {
 
 const reachOf = (event) => (event.pointerType === "mouse" ? mouseReach_px : touchReach_px);
 
+/// A line has no sense: of the two angles the one nearer to the former, so that its handle stays on its side.
+function nearestSense(degrees, former) {
+  return degrees + 180 * Math.round((former - degrees) / 180);
+}
+
 /// What dragging handle `name` from `from` to `to` (points of the photograph) sets.
 export function dragged(name, image, from, to) {
   const centre = image.centre_px;
   if (name === "rim") return { diameter_px: Math.max(2, 2 * Math.hypot(to[0] - centre[0], to[1] - centre[1])) };
-  if (name === "equator") return { equator_deg: lineAngleRad(centre, to) * 180 / Math.PI };
+  if (name === "equator") return { equator_deg: nearestSense(lineAngleRad(centre, to) * DEGREES, (image.equator_rad ?? 0) * DEGREES) };
   return { centre: [centre[0] + to[0] - from[0], centre[1] + to[1] - from[1]] };
 }
 
@@ -96,7 +102,7 @@ export function createTool({ model, stage, marks, escaped }) {
 
   function adjust(event) {
     const { diameter_px: diameter, equator_rad: equator } = model.selectedItem().image;
-    const turn = (degrees) => model.change({ equator_deg: (equator ?? 0) * 180 / Math.PI + degrees }, dragWords.equator, event.repeat);
+    const turn = (degrees) => model.change({ equator_deg: (equator ?? 0) * DEGREES + degrees }, dragWords.equator, event.repeat);
     const grow = (px) => model.change({ diameter_px: Math.max(2, diameter + px) }, dragWords.rim, event.repeat);
     const done = {
       "[": () => grow(-steps.fine), "]": () => grow(steps.fine), "{": () => grow(-steps.coarse), "}": () => grow(steps.coarse),

@@ -40,7 +40,8 @@ function createMark(key) {
     for (const circle of [...outline, focus]) setAttributes(circle, { cx, cy, r });
     drawEquator(image);
     const arm = 7 / scale;
-    cross.forEach((line, i) => setAttributes(line, i < 2 ? lineAttributes([cx - arm, cy], [cx + arm, cy]) : lineAttributes([cx, cy - arm], [cx, cy + arm])));
+    cross.forEach((line, i) => setAttributes(line,
+      i < 2 ? lineAttributes([cx - arm, cy], [cx + arm, cy]) : lineAttributes([cx, cy - arm], [cx, cy + arm])));
     const sd = uncertaintyOf(image);
     setAttributes(ellipse, sd ? { visibility: null, cx, cy, rx: sd.major * enlarged, ry: sd.minor * enlarged,
       transform: `rotate(${-sd.angleRad * 180 / Math.PI} ${cx} ${cy})` } : { visibility: "hidden" });

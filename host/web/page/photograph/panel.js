@@ -22,7 +22,8 @@ export function createPanel() {
       heading.textContent = image ? nameOf(image) : place ? "Not measured" : "No image chosen";
       remark.textContent = image ? "" : place ? placeName(place) : HINT;
       remark.hidden = Boolean(image);
-      const rows = image ? [...measuredRows(image, { mmPerPx, first_s }), ...reasonsNear(image, unmeasured).map(({ what, why }) => [`No ${what}`, why])] : [];
+      const rows = !image ? [] : [...measuredRows(image, { mmPerPx, first_s }),
+        ...reasonsNear(image, unmeasured).map(({ what, why }) => [`No ${what}`, why])];
       fill(list, rows.map(([what, words]) => h("div", {}, h("dt", {}, what), h("dd", {}, words))));
       list.hidden = rows.length === 0;
     },

@@ -17,7 +17,8 @@ export function createPlaces(group) {
   group.append(svg("defs", {}, pattern), circles);
 
   function circleOf(position) {
-    return circles.children[position] ?? circles.appendChild(svg("circle", { class: "photograph-unmeasured", "data-key": `place-${position}`, fill: `url(#${id})` }));
+    return circles.children[position] ?? circles.appendChild(
+      svg("circle", { class: "photograph-unmeasured", "data-key": `place-${position}`, fill: `url(#${id})` }));
   }
 
   /// chosen: the key of the one that is; pressable: not while the photograph is corrected.

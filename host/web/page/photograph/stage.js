@@ -16,7 +16,8 @@ export function createStage(photo, name) {
   const picture = h("img", { class: "photograph-picture", alt: name, draggable: "false" });
   const marks = svg("g", { class: "photograph-marks" });
   const layer = svg("svg", { class: "photograph-layer", role: "group", "aria-label": "What was measured on it" }, marks);
-  const element = h("div", { class: "photograph-stage", tabindex: "0", role: "group", "aria-label": `${name}. Zoom with plus and minus, move with the arrow keys` }, picture, layer);
+  const element = h("div", { class: "photograph-stage", tabindex: "0", role: "group", "aria-label": `${name}. Zoom with plus and minus, move with the arrow keys` },
+  picture, layer);
   const watchers = new Set();
   let size = { width: 1, height: 1 };
   let view = fitView(photo, size);
