@@ -89,7 +89,7 @@ class ShotView {
 
   /// A new shot never takes the photograph away from under a hand that corrects it.
   arrive(row) {
-    if (this.shown && this.photograph?.unsaved() && !isSame(row, this.shown)) {
+    if (this.shown && this.photograph?.editing && !isSame(row, this.shown)) {
       const show = () => {
         this.photograph.destroy();
         this.photograph = null;
