@@ -128,7 +128,7 @@ void add_commission_command(CLI::App& app, int& exit_status) {
   add_options(*command, *options);
   command_line::for_experts(*command, {"--effort", "--lcm-url", "--key-file", "--sessions", "--web-files"});
   command->footer(
-      "Each step says what will move before it moves, waits for Enter, and passes or fails with a number. "
+      "Each step says what will move before it moves, waits for your yes, and passes or fails with a number. "
       "Ctrl-C disarms and keeps what is done; run again, it goes on where it stopped. The page of --web "
       "shows it all, and takes confirmations of what moves nothing. A step is done again "
       "when "

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <poll.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <array>
@@ -26,23 +27,13 @@ void tell(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str());
 const char* answers_of(const Prompt& prompt) {
   switch (prompt.kind) {
     case Prompt::Kind::begin:
-      return "Enter: begin   s: leave it out   q: end";
+      return prompt.moves ? "y: begin   s: leave it out   q: end" : "Enter: begin   s: leave it out   q: end";
     case Prompt::Kind::question:
       return "y or n";
     case Prompt::Kind::after_failure:
       return "Enter: again   n: go on   q: end";
   }
   return "";
-}
-
-std::optional<Answer> answer_of(const Prompt& prompt, const std::string& line) {
-  const char letter = line.empty() ? '\n' : line.front();
-  if (letter == 'q') return Answer::end;
-  if (letter == 'y') return Answer::yes;
-  if (letter == 'n') return Answer::no;
-  if (letter == 's' && prompt.kind == Prompt::Kind::begin) return Answer::skip;
-  if (letter == '\n' && prompt.kind != Prompt::Kind::question) return Answer::yes;
-  return std::nullopt;
 }
 
 }  // namespace
@@ -63,6 +54,9 @@ std::string result_json(const StepView& step) {
 }
 
 void CommissionConsole::on_prompt(const StepView& step, const Prompt& prompt) {
+  // What was typed before the question was there answers none.
+  typed_.clear();
+  ::tcflush(STDIN_FILENO, TCIFLUSH);
   if (prompt.kind == Prompt::Kind::begin) tell(fmt::format("\n{}: {}", step.info.id, step.info.title));
   tell("  " + prompt.words);
   tell(fmt::format("  [{}]", answers_of(prompt)));
@@ -96,7 +90,7 @@ void CommissionConsole::read(Commissioning& commissioning) {
 
 void CommissionConsole::heed(const std::string& line, Commissioning& commissioning) {
   if (const auto& prompt = commissioning.prompt()) {
-    if (const auto answer = answer_of(*prompt, line)) return commissioning.answer(*answer);
+    if (const auto answer = commission::answer_of(*prompt, line)) return commissioning.answer(*answer);
     return tell(fmt::format("  [{}]", answers_of(*prompt)));
   }
   commissioning.stretch();

@@ -16,6 +16,15 @@ StepState state_of(const RecordedStep& step) { return step.result.state; }
 
 }  // namespace
 
+std::optional<Answer> answer_of(const Prompt& prompt, std::string_view line) {
+  if (line == "q") return Answer::end;
+  if (line == "y") return Answer::yes;
+  if (line == "n") return Answer::no;
+  if (line == "s" && prompt.kind == Prompt::Kind::begin) return Answer::skip;
+  if (line.empty() && prompt.kind != Prompt::Kind::question && !prompt.moves) return Answer::yes;
+  return std::nullopt;
+}
+
 Commissioning::Commissioning(host::HostLoop& loop, CommissioningSettings settings,
                              std::vector<std::unique_ptr<Step>> steps, const Record& former)
     : loop_(loop), settings_(std::move(settings)), entered_(loop.now()) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/shot/recent_map.hpp"
@@ -48,6 +49,8 @@ struct Prompt {
   bool moves = false;  ///< a yes makes outputs move
 };
 enum class Answer { yes, no, skip, end };
+/// Of a line typed at the console, without its end: y, n, s or q, and an empty one where nothing moves. Absent: no answer.
+std::optional<Answer> answer_of(const Prompt& prompt, std::string_view line);
 
 /// Who hears what becomes of it. The default is to ignore it.
 class CommissioningListener {

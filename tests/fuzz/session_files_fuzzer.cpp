@@ -1,11 +1,12 @@
 // What a session's folder holds besides its logs may have been cut short, or be anything: runs.jsonl, a digitization,
-// results.csv, and file names. The first byte says which it is.
+// results.csv, the record of commissioning, and file names. The first byte says which it is.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 
 #include "host/archive/photograph_files.hpp"
+#include "host/commission/record/record.hpp"
 #include "host/session/run_record.hpp"
 #include "host/archive/stored_digitizations.hpp"
 #include "host/session/results_rows.hpp"
@@ -19,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const std::string text(text_of(data + 1, size - 1));
   const ShotKey key{77, 3};
-  switch (data[0] % 4) {
+  switch (data[0] % 5) {
     case 0: {
       const host::RunRecords records = host::parse_runs(text);
       for (const host::RunRecord& run : records.runs) require(run.host_id != 0);
@@ -40,6 +41,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         keys.push_back(row.key);
       }
       require(host::shot_names(keys).size() == keys.size());
+      break;
+    }
+    case 4: {
+      const commission::Record record = commission::parse_record(text);
+      for (const commission::RecordedStep& step : record.steps) {
+        const commission::Record again = commission::parse_record(commission::record_line(step));
+        require(again.steps.size() == 1 && !again.torn);
+        require(commission::record_line(again.steps[0]) == commission::record_line(step));
+      }
+      for (const std::string& remark : record.remarks) require_one_line(remark, "line ");
       break;
     }
     default:

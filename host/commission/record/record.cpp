@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "common/config/files.hpp"
@@ -30,7 +31,7 @@ std::vector<Figure> figures_of(const Json& object) {
     const auto value = entry.is_object() ? number_of(entry, "value") : std::nullopt;
     if (!value) continue;
     figures.push_back({key, *value, number_of(entry, "sd"), number_of(entry, "expected"),
-                       static_cast<int>(number_of(entry, "n").value_or(0.0))});
+                       static_cast<int>(std::clamp(number_of(entry, "n").value_or(0.0), 0.0, 1e9))});
   }
   return figures;
 }

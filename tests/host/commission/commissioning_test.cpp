@@ -226,6 +226,19 @@ TEST(Commissioning, AsksAPersonBeforeEachStepAndSaysWhatMoves) {
   LONGS_EQUAL(0, bus.commands.size());
 }
 
+TEST(Commissioning, NothingMovesForAnEmptyLine) {
+  const Prompt watches{Prompt::Kind::begin, "", false}, moves{Prompt::Kind::begin, "", true},
+      question{Prompt::Kind::question, "", false};
+  CHECK_TRUE(answer_of(watches, "") == Answer::yes);
+  CHECK_FALSE(answer_of(moves, "").has_value());
+  CHECK_FALSE(answer_of(moves, "yn").has_value());
+  CHECK_TRUE(answer_of(moves, "y") == Answer::yes);
+  CHECK_TRUE(answer_of(moves, "s") == Answer::skip);
+  CHECK_FALSE(answer_of(question, "").has_value());
+  CHECK_FALSE(answer_of(question, "s").has_value());
+  CHECK_TRUE(answer_of(question, "n") == Answer::no);
+}
+
 TEST(Commissioning, RepeatsAStepThatFailedIfAPersonWants) {
   settings.attended = true;
   add("one", {}, false);
