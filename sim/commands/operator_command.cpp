@@ -32,7 +32,9 @@ struct Deed {
   int level;  ///< kBroken: its wire is pulled
 };
 
-constexpr std::array<Deed, 10> kDeeds{{{"have the key off", RigLine::key, 0},
+constexpr std::array<Deed, 12> kDeeds{{{"waiting: the key is off", RigLine::key, 1},
+                                       {"waiting: the e-stop is pressed", RigLine::estop, 1},
+                                       {"have the key off", RigLine::key, 0},
                                        {"turn the key off", RigLine::key, 0},
                                        {"turn the key on", RigLine::key, 1},
                                        {"pull the wire of the key", RigLine::key, kBroken},
