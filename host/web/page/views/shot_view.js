@@ -241,7 +241,7 @@ class ShotView {
   showNone() {
     const history = h("a", { href: routeTo("history") }, "the history");
     fill(
-      this.numbers,
+      this.verdict,
       quiet("No shot yet since strobe was started."),
       h("p", {}, "Earlier ones are in ", history, "."),
     );
