@@ -256,7 +256,7 @@ class FireRun {
   }
 
   const FireRequest& request_;
-  WebPage* const page_;          ///< null: none
+  WebPage* const page_;              ///< null: none
   const std::string& commissioned_;  ///< what a person should know of the rig's commissioning
   SessionFolder& folder_;
   Clock& clock_;
@@ -265,8 +265,8 @@ class FireRun {
   SeriesRunner& runner_;
   Terminal terminal_;
   ShotText shot_text_;
-  int heeded_ = 0;  ///< of ends_asked_for()
-  std::string ended_by_;  ///< why the series ends before its time; empty: it does not
+  int heeded_ = 0;         ///< of ends_asked_for()
+  std::string ended_by_;   ///< why the series ends before its time; empty: it does not
   bool recorded_ = false;  ///< there is a run to go on with
   KeyCheck key_;
   ActivityNotes activity_;
@@ -292,8 +292,10 @@ int run_fire(const FireRequest& request) {
                  request.session.c_str(), request.series.counted, request.series.shots);
     return kDone;
   }
-  auto page = WebPage::open(request.web, {"fire", request.run.version, request.session, request.key_file, request.condition}, request.rig,
-                            [&](web::Router& router, web::EventHub&) { web::add_record_route(router, request.run.rig_file); });
+  auto page = WebPage::open(
+      request.web, {"fire", request.run.version, request.session, request.key_file, request.condition},
+      request.rig,
+      [&](web::Router& router, web::EventHub&) { web::add_record_route(router, request.run.rig_file); });
   if (!page) return bad_input(page.error().message);
   MachineClock clock;
   auto folder = SessionFolder::open(

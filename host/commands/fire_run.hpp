@@ -24,7 +24,7 @@ struct FireRequest {
   ShotSeriesSettings series;
   std::string plan_text;
   std::string train_remark;  ///< told at the start, if any
-  std::string rig_remark;  ///< which rig file was taken where none was named; else empty
+  std::string rig_remark;    ///< which rig file was taken where none was named; else empty
   std::string url;
   std::string session;
   PhotographOptions photographs;

@@ -29,9 +29,10 @@ std::optional<std::string> session_of(const WebSetup& setup) {
 }
 
 web::SessionStoreSettings store_settings(const WebOptions& options, const WebSetup& setup) {
-  const fs::path own = setup.session.empty() ? fs::current_path() : without_end_slash(setup.session).parent_path();
-  return {options.sessions.empty() ? own : fs::path(options.sessions), session_of(setup).value_or(""), setup.key_file,
-          setup.version};
+  const fs::path own =
+      setup.session.empty() ? fs::current_path() : without_end_slash(setup.session).parent_path();
+  return {options.sessions.empty() ? own : fs::path(options.sessions), session_of(setup).value_or(""),
+          setup.key_file, setup.version};
 }
 
 }  // namespace
@@ -39,7 +40,8 @@ web::SessionStoreSettings store_settings(const WebOptions& options, const WebSet
 /// In the order in which they depend on each other.
 struct WebPage::Parts {
   Parts(const WebOptions& options, const WebSetup& setup, const RigFile& rig)
-      : state({setup.program, setup.version, rig.rig, session_of(setup), true, setup.condition}, channel, hub),
+      : state({setup.program, setup.version, rig.rig, session_of(setup), true, setup.condition}, channel,
+              hub),
         archive(store_settings(options, setup)),
         editing(archive, hub) {
     web::add_live_routes(router, state);
@@ -79,21 +81,25 @@ void add_web_options(CLI::App& command, WebOptions& options) {
         return parsed ? std::string() : parsed.error().message;
       });
   command
-      .add_option("--sessions", options.sessions,
-                  "the folder whose sessions the page shows (default: that of --session, else the current one)")
+      .add_option(
+          "--sessions", options.sessions,
+          "the folder whose sessions the page shows (default: that of --session, else the current one)")
       ->check(CLI::ExistingDirectory);
-  command.add_option("--web-files", options.files_folder, "read the page's files from this folder, to work on them")
+  command
+      .add_option("--web-files", options.files_folder,
+                  "read the page's files from this folder, to work on them")
       ->check(CLI::ExistingDirectory);
 }
 
-Result<std::unique_ptr<WebPage>> WebPage::open(const WebOptions& options, const WebSetup& setup, const RigFile& rig,
-                                               const AddRoutes& more) {
+Result<std::unique_ptr<WebPage>> WebPage::open(const WebOptions& options, const WebSetup& setup,
+                                               const RigFile& rig, const AddRoutes& more) {
   if (!options.on) return std::unique_ptr<WebPage>();
   const auto where = web::parse_listen_address(options.where);
   if (!where) return fail("--web: " + where.error().message);
   auto parts = std::make_unique<Parts>(options, setup, rig);
   if (more) more(parts->router, parts->hub);
-  auto server = web::PageServer::open({where->address, where->port, options.files_folder, {}}, parts->router, parts->hub);
+  auto server = web::PageServer::open({where->address, where->port, options.files_folder, {}}, parts->router,
+                                      parts->hub);
   if (!server) return fail("--web: " + server.error().message);
   parts->server = std::move(*server);
   return std::unique_ptr<WebPage>(new WebPage(std::move(parts)));

@@ -48,8 +48,8 @@ class WebPage {
   using AddRoutes = std::function<void(web::Router&, web::EventHub&)>;
 
   /// Null if the page is not asked for. Fails with a line that names the option: a wrong or a taken address.
-  static Result<std::unique_ptr<WebPage>> open(const WebOptions& options, const WebSetup& setup, const RigFile& rig,
-                                               const AddRoutes& more = {});
+  static Result<std::unique_ptr<WebPage>> open(const WebOptions& options, const WebSetup& setup,
+                                               const RigFile& rig, const AddRoutes& more = {});
   /// Tells the viewers and closes; takes half a second at most.
   ~WebPage();
   WebPage(const WebPage&) = delete;

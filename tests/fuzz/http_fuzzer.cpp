@@ -34,7 +34,8 @@ struct Routes {
 void check_host(const RequestHead& head) {
   require(head.hosts.size() == 1);
   std::string host(head.hosts[0]);
-  std::ranges::transform(host, host.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::ranges::transform(host, host.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   host.erase(0, host.find_first_not_of(" \t"));
   require(host.starts_with("127.") || host.starts_with("[::1]") || host.starts_with("localhost"));
 }
@@ -51,8 +52,10 @@ void check(const Gate& gate, const Intake& intake) {
   check_host(head);
   const auto& admitted = std::get<Admitted>(verdict);
   require(is_plain_text(admitted.request.path) && admitted.request.path.starts_with('/'));
-  for (const auto& [name, value] : admitted.request.query) require(is_plain_text(name) && is_plain_text(value));
-  if (head.method == "POST") require(admitted.request.path == "/api/v1/stop" && head.content_type.has_value());
+  for (const auto& [name, value] : admitted.request.query)
+    require(is_plain_text(name) && is_plain_text(value));
+  if (head.method == "POST")
+    require(admitted.request.path == "/api/v1/stop" && head.content_type.has_value());
   if (admitted.found.handler != nullptr) {
     const Response response = Router::answer(admitted.found, admitted.request);
     const Answer answer = answer_of(response, head.method == "HEAD", intake.keep_alive(), head.etag);
@@ -86,7 +89,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     bytes.remove_prefix(std::min(piece, bytes.size()));
   }
   if (intake.state() == Intake::State::failed)
-    require(intake.failure_status() == 400 || intake.failure_status() == 413 || intake.failure_status() == 431 ||
-            intake.failure_status() == 505);
+    require(intake.failure_status() == 400 || intake.failure_status() == 413 ||
+            intake.failure_status() == 431 || intake.failure_status() == 505);
   return 0;
 }

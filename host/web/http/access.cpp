@@ -14,9 +14,8 @@ namespace strobe::web {
 namespace {
 
 bool equal_without_case(std::string_view a, std::string_view b) {
-  return std::ranges::equal(a, b, [](unsigned char x, unsigned char y) {
-    return std::tolower(x) == std::tolower(y);
-  });
+  return std::ranges::equal(
+      a, b, [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -62,8 +61,8 @@ using Hash = std::array<unsigned char, crypto_generichash_BYTES>;
 
 Hash hash_of(std::string_view text) {
   Hash hash{};
-  crypto_generichash(hash.data(), hash.size(), reinterpret_cast<const unsigned char*>(text.data()), text.size(),
-                     nullptr, 0);
+  crypto_generichash(hash.data(), hash.size(), reinterpret_cast<const unsigned char*>(text.data()),
+                     text.size(), nullptr, 0);
   return hash;
 }
 
@@ -77,7 +76,8 @@ std::optional<Refusal> Access::check(const RequestHead& head) const {
   if (head.method != "GET" && head.method != "HEAD" && head.method != "POST")
     return Refusal{405, "only GET, HEAD and POST"};
   if (!has_secret(head))
-    return Refusal{401, "open the address that strobe printed, with its secret, or send it as Authorization: Bearer"};
+    return Refusal{
+        401, "open the address that strobe printed, with its secret, or send it as Authorization: Bearer"};
   if (head.method == "POST") {
     const std::string_view type = head.content_type.value_or("");
     if (!equal_without_case(trimmed(type.substr(0, type.find(';'))), "application/json"))
@@ -143,7 +143,8 @@ std::string random_secret() {
   std::array<unsigned char, 32> bytes{};
   randombytes_buf(bytes.data(), bytes.size());
   std::array<char, 64> text{};
-  sodium_bin2base64(text.data(), text.size(), bytes.data(), bytes.size(), sodium_base64_VARIANT_URLSAFE_NO_PADDING);
+  sodium_bin2base64(text.data(), text.size(), bytes.data(), bytes.size(),
+                    sodium_base64_VARIANT_URLSAFE_NO_PADDING);
   return text.data();
 }
 

@@ -20,8 +20,9 @@ constexpr std::chrono::milliseconds kLinger{1000};
 /// Where the viewer was: Last-Event-ID, else ?after=. Nothing: he has only just come.
 std::int64_t seen_by(const RequestHead& head, const Request& request) {
   const auto after = request.query.find("after");
-  const std::string_view text =
-      head.last_event_id ? *head.last_event_id : after == request.query.end() ? "" : std::string_view(after->second);
+  const std::string_view text = head.last_event_id             ? *head.last_event_id
+                                : after == request.query.end() ? ""
+                                                               : std::string_view(after->second);
   std::int64_t id = -1;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), id);
   return read.ec == std::errc() && read.ptr == text.data() + text.size() ? id : -1;
@@ -63,12 +64,14 @@ void Connection::set_deadline(std::chrono::milliseconds patience) {
 void Connection::clear_deadline() { deadline_.expires_at(std::chrono::steady_clock::time_point::max()); }
 
 void Connection::read() {
-  socket_.async_read_some(net::buffer(received_), [self = shared_from_this()](error_code error, std::size_t size) {
-    if (error) return self->close();
-    if (!self->intake_.begun() && self->answered_) self->set_deadline(self->services_.patience.request);
-    self->intake_.add({self->received_.data(), size});
-    self->go_on();
-  });
+  socket_.async_read_some(net::buffer(received_),
+                          [self = shared_from_this()](error_code error, std::size_t size) {
+                            if (error) return self->close();
+                            if (!self->intake_.begun() && self->answered_)
+                              self->set_deadline(self->services_.patience.request);
+                            self->intake_.add({self->received_.data(), size});
+                            self->go_on();
+                          });
 }
 
 void Connection::go_on() {
@@ -81,7 +84,8 @@ void Connection::go_on() {
     case Intake::State::complete:
       return on_request();
     case Intake::State::failed:
-      return respond(error_response(intake_.failure_status(), "this is no request that is understood"), false);
+      return respond(error_response(intake_.failure_status(), "this is no request that is understood"),
+                     false);
   }
 }
 
@@ -91,7 +95,8 @@ void Connection::on_head() {
   auto verdict = services_.gate.on_head(head);
   if (const auto* refused = std::get_if<Response>(&verdict)) return respond(*refused, false);
   trusted_ = true;
-  if (const auto* welcome = std::get_if<Welcome>(&verdict)) return write(welcome_head(welcome->cookie), nullptr, false);
+  if (const auto* welcome = std::get_if<Welcome>(&verdict))
+    return write(welcome_head(welcome->cookie), nullptr, false);
   admitted_ = std::move(std::get<Admitted>(verdict));
   admitted_->request.from = address_;
   if (admitted_->events) seen_ = seen_by(head, admitted_->request);
@@ -134,7 +139,8 @@ void Connection::write(std::string head, std::shared_ptr<const std::string> body
   head_ = std::move(head);
   body_ = std::move(body);
   set_deadline(services_.patience.write);
-  const std::array<net::const_buffer, 2> parts{net::buffer(head_), body_ ? net::buffer(*body_) : net::const_buffer()};
+  const std::array<net::const_buffer, 2> parts{net::buffer(head_),
+                                               body_ ? net::buffer(*body_) : net::const_buffer()};
   net::async_write(socket_, parts, [self = shared_from_this(), keep_alive](error_code error, std::size_t) {
     return error ? self->close() : self->written(keep_alive);
   });
@@ -155,10 +161,11 @@ void Connection::linger() {
   error_code error;
   socket_.shutdown(net::ip::tcp::socket::shutdown_send, error);
   if (discarded_ == 0) set_deadline(kLinger);
-  socket_.async_read_some(net::buffer(received_), [self = shared_from_this()](error_code failed, std::size_t size) {
-    self->discarded_ += size;
-    return failed || self->discarded_ > kMaxDiscarded_bytes ? self->close() : self->linger();
-  });
+  socket_.async_read_some(
+      net::buffer(received_), [self = shared_from_this()](error_code failed, std::size_t size) {
+        self->discarded_ += size;
+        return failed || self->discarded_ > kMaxDiscarded_bytes ? self->close() : self->linger();
+      });
 }
 
 void Connection::stream() {

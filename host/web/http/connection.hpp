@@ -1,9 +1,9 @@
 // One viewer's connection: requests and answers, or the event stream. The network thread's alone.
 #pragma once
 
+#include <array>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <array>
 #include <chrono>
 #include <memory>
 #include <string>

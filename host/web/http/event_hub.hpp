@@ -24,8 +24,8 @@ class EventHub {
   std::int64_t last_id() const;
 
   struct Taken {
-    std::string text;            ///< of the stream; empty: nothing is new
-    std::int64_t last_id = 0;    ///< the viewer has all up to here
+    std::string text;          ///< of the stream; empty: nothing is new
+    std::int64_t last_id = 0;  ///< the viewer has all up to here
   };
   /// What comes after the event `seen`, as many whole events as fit max_bytes, one at least. Where those after `seen` are
   /// not kept any more, or it is no id of this hub's: one `reset`, and the newest id.

@@ -37,7 +37,8 @@ std::string_view file_of(std::string_view path) {
 /// The name as it stands in the folder's listing: what a path could reach besides does not matter.
 std::optional<fs::path> listed(const fs::path& folder, std::string_view name) {
   std::error_code error;
-  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
     if (entry->is_regular_file(error) && entry->path().lexically_relative(folder).generic_string() == name)
       return entry->path();
   }

@@ -52,8 +52,8 @@ Error cannot(const ServerSettings& settings, const std::string& why) {
 
 class PageServer::Implementation {
  public:
-  Implementation(const ServerSettings& settings, const tcp::endpoint& wanted, std::string secret, const Router& router,
-                 EventHub& hub)
+  Implementation(const ServerSettings& settings, const tcp::endpoint& wanted, std::string secret,
+                 const Router& router, EventHub& hub)
       : acceptor_(io_, wanted),
         endpoint_(acceptor_.local_endpoint()),
         secret_(std::move(secret)),
@@ -61,7 +61,13 @@ class PageServer::Implementation {
               settings.files_folder.empty() ? Files() : Files(settings.files_folder)),
         hub_(hub),
         worker_(settings.limits.slow_requests),
-        services_{io_, gate_, hub, worker_, settings.limits.patience, settings.limits.viewers, 0,
+        services_{io_,
+                  gate_,
+                  hub,
+                  worker_,
+                  settings.limits.patience,
+                  settings.limits.viewers,
+                  0,
                   [this](Connection& closed) { forget(closed); }},
         max_connections_(settings.limits.connections),
         ping_(io_),
@@ -177,8 +183,9 @@ class PageServer::Implementation {
   /// Waits until the viewers have been told, if they read.
   void part(long steps_left) {
     for_each_viewer(&Connection::send_events);
-    const bool told = std::ranges::all_of(
-        connections_, [](const auto& connection) { return !connection->streams() || connection->up_to_date(); });
+    const bool told = std::ranges::all_of(connections_, [](const auto& connection) {
+      return !connection->streams() || connection->up_to_date();
+    });
     if (told || steps_left <= 0) return close_all();
     pause_.expires_after(kFarewellStep);
     pause_.async_wait([this, steps_left](error_code) { part(steps_left - 1); });
@@ -213,14 +220,16 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const ServerSettings& setti
   const auto address = net::ip::make_address(settings.address, error);
   if (error) return tl::unexpected(cannot(settings, "not an address in figures, such as 127.0.0.1"));
   std::string secret = address.is_loopback() ? "" : random_secret();
-  if (!address.is_loopback() && secret.empty()) return tl::unexpected(cannot(settings, "libsodium cannot be started"));
+  if (!address.is_loopback() && secret.empty())
+    return tl::unexpected(cannot(settings, "libsodium cannot be started"));
   return std::unique_ptr<PageServer>(new PageServer(std::make_unique<Implementation>(
       settings, tcp::endpoint(address, settings.port), std::move(secret), router, hub)));
 } catch (const boost::system::system_error& error) {
   return tl::unexpected(cannot(settings, error.code().message()));
 }
 
-PageServer::PageServer(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
+PageServer::PageServer(std::unique_ptr<Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
 
 PageServer::~PageServer() { end(); }
 

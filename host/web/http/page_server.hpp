@@ -11,8 +11,8 @@
 #include <string>
 
 #include "common/result.hpp"
-#include "host/web/http/limits.hpp"
 #include "host/web/http/event_hub.hpp"
+#include "host/web/http/limits.hpp"
 #include "host/web/http/router.hpp"
 
 namespace strobe::web {
@@ -28,7 +28,8 @@ class PageServer {
  public:
   /// Router and hub must outlive the server; nothing is added to the router any more. Fails with a line that names address
   /// and port.
-  static Result<std::unique_ptr<PageServer>> open(const ServerSettings& settings, const Router& router, EventHub& hub);
+  static Result<std::unique_ptr<PageServer>> open(const ServerSettings& settings, const Router& router,
+                                                  EventHub& hub);
   ~PageServer();
   PageServer(const PageServer&) = delete;
   PageServer& operator=(const PageServer&) = delete;

@@ -13,9 +13,9 @@ namespace strobe::web {
 inline constexpr std::size_t kMaxBody_bytes = 256 * 1024;
 
 struct Request {
-  std::string method;                             ///< "GET", "HEAD" or "POST"
-  std::string path;                               ///< decoded, without the query; UTF-8 without control characters
-  std::map<std::string, std::string> query;       ///< decoded, likewise
+  std::string method;                        ///< "GET", "HEAD" or "POST"
+  std::string path;                          ///< decoded, without the query; UTF-8 without control characters
+  std::map<std::string, std::string> query;  ///< decoded, likewise
   std::map<std::string, std::string> parameters;  ///< what the route's {names} matched, decoded
   std::string body;                               ///< any bytes, at most kMaxBody_bytes
   std::string from;                               ///< the viewer's address, such as "127.0.0.1"

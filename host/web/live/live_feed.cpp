@@ -14,8 +14,8 @@ constexpr Duration kTellEvery = milliseconds{500};
 /// What nobody should see half a second late. Each change of the firmware's state comes with a new status.
 bool differ(const LiveStatus& a, const LiveStatus& b) {
   const auto of = [](const LiveStatus& s) {
-    return std::tie(s.status, s.silent, s.danger, s.missing, s.activity, s.armed_by, s.shots, s.counted, s.verified,
-                    s.photographs_pending, s.can_stop, s.can_disarm);
+    return std::tie(s.status, s.silent, s.danger, s.missing, s.activity, s.armed_by, s.shots, s.counted,
+                    s.verified, s.photographs_pending, s.can_stop, s.can_disarm);
   };
   return of(a) != of(b);
 }

@@ -17,10 +17,10 @@ struct LiveStatus {
   std::shared_ptr<const strobe_msgs::status_t> status;  ///< newest; null: no firmware was ever heard
   bool silent = true;                                   ///< it has not been heard for a while
   double age_s = 0.0;                                   ///< of the newest status
-  std::string danger;                                   ///< of outputs that may be active; empty: none is known of
-  std::string missing;                                  ///< why nothing can be fired; empty: it can
-  std::string activity;                                 ///< what is under way; empty: nothing to say
-  std::string armed_by;                                 ///< who holds the arming, if that is known
+  std::string danger;    ///< of outputs that may be active; empty: none is known of
+  std::string missing;   ///< why nothing can be fired; empty: it can
+  std::string activity;  ///< what is under way; empty: nothing to say
+  std::string armed_by;  ///< who holds the arming, if that is known
   host::ClockState clock;
   int shots = 0;              ///< whose results have come
   int counted = 0;            ///< of them, and of those before that the series goes on with

@@ -61,7 +61,8 @@ void LiveState::take(LiveStatus status) {
 void LiveState::take(LiveShot shot) {
   const host::ShotResult& result = shot.result;
   shots_.push_back({result.boot_id, result.shot_id});
-  const ShotRow row = shot_row(result, host::shot_names(shots_).back(), shot.utc, host::digitization_word(result));
+  const ShotRow row =
+      shot_row(result, host::shot_names(shots_).back(), shot.utc, host::digitization_word(result));
   std::string text = line_of(shot_json(row, setup_.session));
   {
     const std::lock_guard lock(mutex_);
@@ -97,17 +98,17 @@ void LiveState::publish_series() {
 std::string LiveState::live_json() const {
   const std::int64_t event_id = hub_.last_id();  // first: what changes meanwhile is told again
   const std::lock_guard lock(mutex_);
-  const ordered_json head{{"program", setup_.program},
-                          {"version", setup_.version},
-                          {"rig", setup_.rig},
-                          {"session", setup_.session ? ordered_json(*setup_.session) : ordered_json()},
-                          {"can",
-                           {{"stop", status_.can_stop}, {"disarm", status_.can_disarm}, {"edit", setup_.can_edit}}},
-                          {"status", status_json(status_)}};
+  const ordered_json head{
+      {"program", setup_.program},
+      {"version", setup_.version},
+      {"rig", setup_.rig},
+      {"session", setup_.session ? ordered_json(*setup_.session) : ordered_json()},
+      {"can", {{"stop", status_.can_stop}, {"disarm", status_.can_disarm}, {"edit", setup_.can_edit}}},
+      {"status", status_json(status_)}};
   std::string text = line_of(head);
   text.pop_back();
-  return text + fmt::format(",\"series\":{},\"last\":{},\"notifications\":[{}],\"event_id\":{}}}", series_text_,
-                            last_text_, fmt::join(notifications_, ","), event_id);
+  return text + fmt::format(",\"series\":{},\"last\":{},\"notifications\":[{}],\"event_id\":{}}}",
+                            series_text_, last_text_, fmt::join(notifications_, ","), event_id);
 }
 
 std::optional<std::string> LiveState::timing_json() const {

@@ -19,8 +19,8 @@ namespace strobe::web {
 
 /// Of the program, as long as it runs.
 struct LiveSetup {
-  std::string program;                 ///< "fire", "live" or "commission"
-  std::string version;                 ///< of strobe
+  std::string program;  ///< "fire", "live" or "commission"
+  std::string version;  ///< of strobe
   std::string rig;
   std::optional<std::string> session;  ///< the folder's name; absent: nothing is kept
   bool can_edit = false;               ///< whether shots can be corrected

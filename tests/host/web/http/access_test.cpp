@@ -37,10 +37,12 @@ TEST_GROUP(WebAccess) {
 };
 
 TEST(WebAccess, OnLoopbackTakesItsNamesOnlyWhateverThePort) {
-  for (const char* host : {"127.0.0.1:8650", "localhost:8650", "LOCALHOST", "localhost:9000", "[::1]:8650", "127.1.2.3"})
+  for (const char* host :
+       {"127.0.0.1:8650", "localhost:8650", "LOCALHOST", "localhost:9000", "[::1]:8650", "127.1.2.3"})
     CHECK_EQUAL(200, status(local, got(host)));
-  for (const char* host : {"evil.example:8650", "lab-pc:8650", "192.168.1.7:8650", "127.0.0.1.evil.example", "localhost.evil.example",
-                           "", ":8650", "[::1", "[]", "127.0.0.1:8650:1", "127.0.0.1:port", "127.0.0.1@evil.example"})
+  for (const char* host : {"evil.example:8650", "lab-pc:8650", "192.168.1.7:8650", "127.0.0.1.evil.example",
+                           "localhost.evil.example", "", ":8650", "[::1", "[]", "127.0.0.1:8650:1",
+                           "127.0.0.1:port", "127.0.0.1@evil.example"})
     CHECK_EQUAL(403, status(local, got(host)));
 }
 
@@ -62,8 +64,9 @@ TEST(WebAccess, RefusesAnyOtherOrigin) {
   RequestHead head = posted("localhost:8650");
   head.origin = "http://localhost:8650";
   CHECK_EQUAL(200, status(local, head));
-  for (const char* origin : {"http://evil.example", "null", "", "http://localhost:3000", "https://localhost:8650",
-                             "http://localhost:8650.evil.example", "http://127.0.0.1:8650"}) {
+  for (const char* origin :
+       {"http://evil.example", "null", "", "http://localhost:3000", "https://localhost:8650",
+        "http://localhost:8650.evil.example", "http://127.0.0.1:8650"}) {
     head.origin = origin;
     CHECK_EQUAL(403, status(local, head));
   }
@@ -98,7 +101,8 @@ TEST(WebAccess, WantsJsonInAPost) {
     head.content_type = type;
     CHECK_EQUAL(200, status(local, head));
   }
-  for (const char* type : {"text/plain", "application/x-www-form-urlencoded", "multipart/form-data", "application/jsonx", ""}) {
+  for (const char* type :
+       {"text/plain", "application/x-www-form-urlencoded", "multipart/form-data", "application/jsonx", ""}) {
     head.content_type = type;
     CHECK_EQUAL(415, status(local, head));
   }
@@ -120,12 +124,14 @@ TEST(WebAccess, WithASecretLetsInWhoHasIt) {
 
 TEST(WebAccess, WithAWrongSecretLetsNobodyIn) {
   RequestHead head = got("192.168.1.7:8650");
-  for (const char* given : {"Bearer wrong", "Bearer ", "Bearer", "right-secret", "Basic right-secret", "Bearer right-secre", "Bearer right-secretx"}) {
+  for (const char* given : {"Bearer wrong", "Bearer ", "Bearer", "right-secret", "Basic right-secret",
+                            "Bearer right-secre", "Bearer right-secretx"}) {
     head.authorization = given;
     CHECK_EQUAL(401, status(open, head));
   }
   head.authorization.reset();
-  for (const char* cookie : {"strobe_8650=wrong", "strobe_8650=", "strobe_8651=right-secret", "xstrobe_8650=right-secret", ";;=;", "strobe_8650"}) {
+  for (const char* cookie : {"strobe_8650=wrong", "strobe_8650=", "strobe_8651=right-secret",
+                             "xstrobe_8650=right-secret", ";;=;", "strobe_8650"}) {
     head.cookie = cookie;
     CHECK_EQUAL(401, status(open, head));
   }
@@ -149,6 +155,7 @@ TEST(WebAccess, SecretsAreLongAndDiffer) {
   LONGS_EQUAL(20, secrets.size());
   for (const std::string& secret : secrets) {
     LONGS_EQUAL(43, secret.size());  // 256 bits, six to a character
-    CHECK(secret.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_") == secret.npos);
+    CHECK(secret.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_") ==
+          secret.npos);
   }
 }

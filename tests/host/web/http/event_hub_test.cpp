@@ -14,16 +14,15 @@ constexpr std::size_t kRoom = 1 << 20;
 
 }  // namespace
 
-TEST_GROUP(WebEventHub) {
-  EventHub hub{100};
-};
+TEST_GROUP(WebEventHub) { EventHub hub{100}; };
 
 TEST(WebEventHub, GivesEachViewerWhatHeHasNotSeen) {
   const auto start = hub.last_id();
   hub.publish("shot", "{\"name\":\"1\"}");
   hub.publish("series", "{}");
   const auto all = hub.take_after(start, kRoom);
-  CHECK_EQUAL("id: 100\nevent: shot\ndata: {\"name\":\"1\"}\n\nid: 101\nevent: series\ndata: {}\n\n", all.text);
+  CHECK_EQUAL("id: 100\nevent: shot\ndata: {\"name\":\"1\"}\n\nid: 101\nevent: series\ndata: {}\n\n",
+              all.text);
   LONGS_EQUAL(101, all.last_id);
   CHECK_EQUAL("id: 101\nevent: series\ndata: {}\n\n", hub.take_after(100, kRoom).text);
   CHECK_EQUAL("", hub.take_after(101, kRoom).text);

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <set>
@@ -58,8 +58,10 @@ TEST_GROUP(WebServer) {
   std::unique_ptr<PageServer> server;
 
   void setup() override {
-    router.get("/api/v1/hello", Work::quick, [](const Request& request) { return error_response(200, request.from); });
-    router.get("/api/v1/large", Work::quick, [](const Request&) { return json_text_response(std::string(8 << 20, 'x')); });
+    router.get("/api/v1/hello", Work::quick,
+               [](const Request& request) { return error_response(200, request.from); });
+    router.get("/api/v1/large", Work::quick,
+               [](const Request&) { return json_text_response(std::string(8 << 20, 'x')); });
     router.get("/api/v1/slow", Work::slow, [this](const Request&) { return gated.work(); });
     router.post("/api/v1/stop", Work::quick, [this](const Request& request) {
       ++stops;
@@ -94,7 +96,8 @@ TEST_GROUP(WebServer) {
 TEST(WebServer, GivesThePageItsFilesAndTheInterfaceSafely) {
   serve();
   const std::string page = asked(get("/"));
-  for (const char* part : {"HTTP/1.1 200 OK", "text/html; charset=utf-8", "default-src 'self'", "nosniff", "<!doctype html>"})
+  for (const char* part :
+       {"HTTP/1.1 200 OK", "text/html; charset=utf-8", "default-src 'self'", "nosniff", "<!doctype html>"})
     STRCMP_CONTAINS(part, page.c_str());
   const std::string answer = asked(get("/api/v1/hello"));
   STRCMP_CONTAINS("no-store", answer.c_str());
@@ -143,8 +146,10 @@ TEST(WebServer, TellsHeadWhatGetWouldBringWithoutBringingIt) {
 TEST(WebServer, WaitsForTheBodyOfWhoAsksWhetherToSendIt) {
   serve();
   RawClient viewer = client();
-  viewer.send("POST /api/v1/stop HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 2\r\n"
-              "Expect: 100-continue\r\n\r\n");
+  viewer.send(
+      "POST /api/v1/stop HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: "
+      "2\r\n"
+      "Expect: 100-continue\r\n\r\n");
   CHECK_EQUAL("HTTP/1.1 100 Continue\r\n\r\n", viewer.read_until("\r\n\r\n"));
   viewer.send("{}");
   STRCMP_CONTAINS("HTTP/1.1 200", viewer.read_answer().c_str());
@@ -152,31 +157,37 @@ TEST(WebServer, WaitsForTheBodyOfWhoAsksWhetherToSendIt) {
 
 TEST(WebServer, RefusesWhatIsMalformedOrTooLargeAndNothingIsDone) {
   serve();
-  for (const char* bytes : {"\r\n\r\n\r\n", "hello\r\n\r\n", "GET / HTTP/1.1\r\nHost localhost\r\n\r\n", "GET  / HTTP/1.1\r\n\r\n",
-                            "GET http://localhost/ HTTP/1.1\r\nHost: localhost\r\n\r\n", "GET /%zz HTTP/1.1\r\nHost: localhost\r\n\r\n",
-                            "GET / HTTP/1.1\r\n\r\n", "GET / HTTP/1.1\r\nHost: localhost\r\nHost: localhost\r\n\r\n",
-                            "POST /api/v1/stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: -1\r\n\r\n",
-                            "POST /api/v1/stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\n{}",
-                            "\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03\r\n\r\n"})
+  for (const char* bytes :
+       {"\r\n\r\n\r\n", "hello\r\n\r\n", "GET / HTTP/1.1\r\nHost localhost\r\n\r\n",
+        "GET  / HTTP/1.1\r\n\r\n", "GET http://localhost/ HTTP/1.1\r\nHost: localhost\r\n\r\n",
+        "GET /%zz HTTP/1.1\r\nHost: localhost\r\n\r\n", "GET / HTTP/1.1\r\n\r\n",
+        "GET / HTTP/1.1\r\nHost: localhost\r\nHost: localhost\r\n\r\n",
+        "POST /api/v1/stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: -1\r\n\r\n",
+        "POST /api/v1/stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\n{}",
+        "\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03\r\n\r\n"})
     CHECK_EQUAL("HTTP/1.1 400 Bad Request", first_line(bytes));
-  CHECK_EQUAL("HTTP/1.1 431 Request Header Fields Too Large", first_line(get("/", "A: " + std::string(17000, 'x') + "\r\n")));
+  CHECK_EQUAL("HTTP/1.1 431 Request Header Fields Too Large",
+              first_line(get("/", "A: " + std::string(17000, 'x') + "\r\n")));
   CHECK_EQUAL("HTTP/1.1 413 Content Too Large", first_line(post("/api/v1/stop", std::string(300000, ' '))));
   CHECK_EQUAL("HTTP/1.1 413 Content Too Large",
-              first_line("POST /api/v1/stop HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: "
+              first_line("POST /api/v1/stop HTTP/1.1\r\nHost: localhost\r\nContent-Type: "
+                         "application/json\r\nContent-Length: "
                          "9999999999\r\n\r\n"));
   LONGS_EQUAL(0, stops);
 }
 
 TEST(WebServer, RefusesOtherSitesAndMethodsAndNothingIsDone) {
   serve();
-  CHECK_EQUAL("HTTP/1.1 403 Forbidden", first_line(post("/api/v1/stop", "{}", "Origin: http://evil.example\r\n")));
+  CHECK_EQUAL("HTTP/1.1 403 Forbidden",
+              first_line(post("/api/v1/stop", "{}", "Origin: http://evil.example\r\n")));
   CHECK_EQUAL("HTTP/1.1 403 Forbidden", first_line(get("/api/v1/events", "Origin: http://evil.example\r\n")));
   CHECK_EQUAL("HTTP/1.1 403 Forbidden", first_line(get("/", "", "evil.example")));
   CHECK_EQUAL("HTTP/1.1 405 Method Not Allowed", first_line("DELETE / HTTP/1.1\r\nHost: localhost\r\n\r\n"));
   CHECK_EQUAL("HTTP/1.1 405 Method Not Allowed", first_line(post("/", "{}")));
   CHECK_EQUAL("HTTP/1.1 405 Method Not Allowed", first_line(get("/api/v1/stop")));
   CHECK_EQUAL("HTTP/1.1 415 Unsupported Media Type",
-              first_line("POST /api/v1/stop HTTP/1.1\r\nHost: localhost\r\nContent-Type: text/plain\r\nContent-Length: 2\r\n\r\n{}"));
+              first_line("POST /api/v1/stop HTTP/1.1\r\nHost: localhost\r\nContent-Type: "
+                         "text/plain\r\nContent-Length: 2\r\n\r\n{}"));
   LONGS_EQUAL(0, stops);
 }
 
@@ -190,9 +201,11 @@ TEST(WebServer, OnAnyAddressAsksForTheSecret) {
   CHECK_EQUAL("HTTP/1.1 401 Unauthorized", first_line(get("/")));
   CHECK_EQUAL("HTTP/1.1 401 Unauthorized", first_line(get("/api/v1/events")));
   CHECK_EQUAL("HTTP/1.1 401 Unauthorized", first_line(get("/?secret=wrong")));
-  CHECK_EQUAL("HTTP/1.1 401 Unauthorized", first_line(post("/api/v1/stop", "{}", "Authorization: Bearer wrong\r\n")));
+  CHECK_EQUAL("HTTP/1.1 401 Unauthorized",
+              first_line(post("/api/v1/stop", "{}", "Authorization: Bearer wrong\r\n")));
   LONGS_EQUAL(0, stops);
-  CHECK_EQUAL("HTTP/1.1 200 OK", first_line(post("/api/v1/stop", "{}", "Authorization: Bearer " + secret + "\r\n")));
+  CHECK_EQUAL("HTTP/1.1 200 OK",
+              first_line(post("/api/v1/stop", "{}", "Authorization: Bearer " + secret + "\r\n")));
   const std::string welcome = asked(get("/?secret=" + secret));
   STRCMP_CONTAINS("HTTP/1.1 303 See Other\r\nLocation: /\r\n", welcome.c_str());
   const std::size_t at = welcome.find("Set-Cookie: ");
@@ -213,7 +226,8 @@ TEST(WebServer, TellsEveryViewerWhatHappens) {
   STRCMP_CONTAINS("event: reset", first.read_until("\n\n").c_str());
   STRCMP_CONTAINS("event: reset", second.read_until("\n\n").c_str());
   hub.publish("shot", "{\"name\":\"7\"}");
-  for (RawClient* viewer : {&first, &second}) CHECK_EQUAL("id: 1000\nevent: shot\ndata: {\"name\":\"7\"}\n\n", viewer->read_until("\n\n"));
+  for (RawClient* viewer : {&first, &second})
+    CHECK_EQUAL("id: 1000\nevent: shot\ndata: {\"name\":\"7\"}\n\n", viewer->read_until("\n\n"));
 }
 
 TEST(WebServer, GoesOnWhereAViewerWas) {
@@ -256,7 +270,8 @@ TEST(WebServer, AViewerWhoDoesNotReadHoldsUpNobodyAndIsDropped) {
   const std::string event(100000, 'x');
   for (int i = 0; i < 100; ++i) {
     hub.publish("series", event);  // more than any buffer between takes
-    LONGS_EQUAL(event.size(), quick.read_until("\n\n").size() - std::string("id: 1000\nevent: series\ndata: \n\n").size());
+    LONGS_EQUAL(event.size(),
+                quick.read_until("\n\n").size() - std::string("id: 1000\nevent: series\ndata: \n\n").size());
   }
   // His place is another's.
   std::string line;

@@ -97,8 +97,9 @@ std::string get(std::string_view path, std::string_view fields, std::string_view
 
 std::string post(std::string_view path, std::string_view body, std::string_view fields) {
   return fmt::format(
-      "POST {} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/json\r\nContent-Length: {}\r\n{}\r\n{}", path,
-      body.size(), fields, body);
+      "POST {} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/json\r\nContent-Length: "
+      "{}\r\n{}\r\n{}",
+      path, body.size(), fields, body);
 }
 
 }  // namespace strobe::testing

@@ -37,11 +37,13 @@ TEST(WebTarget, IsRefusedIfItIsNoPath) {
 }
 
 TEST(WebTarget, IsRefusedWithBrokenEscapesAndControlCharacters) {
-  for (const char* text : {"/%", "/%2", "/%zz", "/%00", "/%0a", "/%1b[2J", "/%7f", "/?a=%0d", "/%c2%9b"}) CHECK_TEXT(refused(text), text);
+  for (const char* text : {"/%", "/%2", "/%zz", "/%00", "/%0a", "/%1b[2J", "/%7f", "/?a=%0d", "/%c2%9b"})
+    CHECK_TEXT(refused(text), text);
 }
 
 TEST(WebTarget, IsRefusedWhereItIsNotUtf8) {
-  for (const char* text : {"/%ff", "/%c0%af", "/%e0%80%af", "/%ed%a0%80", "/%f4%90%80%80", "/%e2%82", "/?%80=1"})
+  for (const char* text :
+       {"/%ff", "/%c0%af", "/%e0%80%af", "/%ed%a0%80", "/%f4%90%80%80", "/%e2%82", "/?%80=1"})
     CHECK_TEXT(refused(text), text);
   CHECK(is_plain_text("ü€😀"));
 }

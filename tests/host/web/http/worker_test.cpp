@@ -25,9 +25,7 @@ struct Gate {
 
 }  // namespace
 
-TEST_GROUP(WebWorker) {
-  std::shared_ptr<Gate> gate = std::make_shared<Gate>();
-};
+TEST_GROUP(WebWorker) { std::shared_ptr<Gate> gate = std::make_shared<Gate>(); };
 
 TEST(WebWorker, DoesOneJobAfterTheOtherInTheirOrder) {
   std::vector<int> order;

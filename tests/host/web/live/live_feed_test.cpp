@@ -30,8 +30,8 @@ host::ShotResult shot(int id, std::int64_t host = 7) {
 
 template <typename Kind>
 std::size_t count(const std::deque<LiveMessage>& messages) {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(messages, [](const auto& message) { return std::holds_alternative<Kind>(message); }));
+  return static_cast<std::size_t>(std::ranges::count_if(
+      messages, [](const auto& message) { return std::holds_alternative<Kind>(message); }));
 }
 
 }  // namespace
@@ -102,5 +102,6 @@ TEST(LiveFeed, NeverWaitsForThePageAndKeepsABoundedAmountForIt) {
   turn(milliseconds{500});
   const auto last = told();
   LONGS_EQUAL(1, count<LiveNotification>(last));
-  CHECK_EQUAL("the page could not keep up: not all that happened is on it", std::get<LiveNotification>(last[0]).text);
+  CHECK_EQUAL("the page could not keep up: not all that happened is on it",
+              std::get<LiveNotification>(last[0]).text);
 }

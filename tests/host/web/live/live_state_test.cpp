@@ -100,12 +100,9 @@ TEST(LiveState, KeepsTheNewestNotificationsAsText) {
 }
 
 TEST(LiveState, NamesWhatTheFirmwareIsDoing) {
-  const std::vector<std::pair<std::int8_t, std::string>> names{{status_t::IDLE, "idle"},
-                                                               {status_t::ARMED, "armed"},
-                                                               {status_t::FIRING, "firing"},
-                                                               {status_t::FAULT, "fault"},
-                                                               {status_t::SPENT, "spent"},
-                                                               {99, "fault"}};
+  const std::vector<std::pair<std::int8_t, std::string>> names{
+      {status_t::IDLE, "idle"},   {status_t::ARMED, "armed"}, {status_t::FIRING, "firing"},
+      {status_t::FAULT, "fault"}, {status_t::SPENT, "spent"}, {99, "fault"}};
   for (const auto& [number, name] : names)
     CHECK_EQUAL(name, status_of(heard(number))["state"].get<std::string>());
 }
@@ -135,7 +132,8 @@ TEST(LiveState, AsksTheHostForWhatItCanDoAlone) {
   tell(status);
   await("status", "\"can\":{\"stop\":false,\"disarm\":true}");
   LONGS_EQUAL(409, asked("/api/v1/stop", "{}"));
-  for (const char* body : {"", "null", "[]", "{\"a\":1}", "{", "disarm"}) LONGS_EQUAL(400, asked("/api/v1/disarm", body));
+  for (const char* body : {"", "null", "[]", "{\"a\":1}", "{", "disarm"})
+    LONGS_EQUAL(400, asked("/api/v1/disarm", body));
   CHECK(channel.take_commands().empty());
   LONGS_EQUAL(202, asked("/api/v1/disarm", " {} "));
   const auto commands = channel.take_commands();
@@ -149,7 +147,8 @@ TEST(LiveState, AsksTheHostForWhatItCanDoAlone) {
 TEST(LiveState, HasNothingThatFires) {
   Router router;
   add_live_routes(router, state);
-  for (const char* path : {"/api/v1/fire", "/api/v1/arm", "/api/v1/shots", "/api/v1/command", "/api/v1/clear"}) {
+  for (const char* path :
+       {"/api/v1/fire", "/api/v1/arm", "/api/v1/shots", "/api/v1/command", "/api/v1/clear"}) {
     Request request{"POST", path, {}, {}, "{}", ""};
     LONGS_EQUAL(404, router.route(request).status);
   }
