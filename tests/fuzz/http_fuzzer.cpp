@@ -89,7 +89,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     bytes.remove_prefix(std::min(piece, bytes.size()));
   }
   if (intake.state() == Intake::State::failed)
-    require(intake.failure_status() == 400 || intake.failure_status() == 413 ||
-            intake.failure_status() == 431 || intake.failure_status() == 505);
+    require(intake.failure_status() == 400 || intake.failure_status() == 411 ||
+            intake.failure_status() == 413 || intake.failure_status() == 431 ||
+            intake.failure_status() == 505);
   return 0;
 }

@@ -33,7 +33,7 @@ class Intake {
   State state() const { return state_; }
   /// Whether a request has begun.
   bool begun() const;
-  /// Of State::failed: 400, 413 (body), 431 (head) or 505.
+  /// Of State::failed: 400, 411 (a body in chunks), 413 (body), 431 (head) or 505.
   int failure_status() const { return failure_status_; }
 
   /// From State::body on; the views live until next().

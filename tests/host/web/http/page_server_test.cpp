@@ -173,6 +173,9 @@ TEST(WebServer, RefusesWhatIsMalformedOrTooLargeAndNothingIsDone) {
               first_line("POST /api/v1/stop HTTP/1.1\r\nHost: localhost\r\nContent-Type: "
                          "application/json\r\nContent-Length: "
                          "9999999999\r\n\r\n"));
+  CHECK_EQUAL("HTTP/1.1 411 Length Required",
+              first_line("POST /api/v1/stop HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+                         "Transfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n"));
   LONGS_EQUAL(0, stops);
 }
 
