@@ -2,6 +2,7 @@
 
 #include "host/commission/balls/balls_step.hpp"
 #include "host/commission/balls/drop_step.hpp"
+#include "host/commission/camera/board_step.hpp"
 #include "host/commission/camera/light_step.hpp"
 #include "host/commission/electrical/firmware_step.hpp"
 #include "host/commission/electrical/switch_step.hpp"
@@ -22,6 +23,7 @@ std::vector<std::unique_ptr<Step>> all_steps() {
   steps.push_back(std::make_unique<TrainStep>(TrainStep::lamps_together()));
   steps.push_back(std::make_unique<TrainStep>(TrainStep::shutter()));
   steps.push_back(std::make_unique<LightStep>());
+  steps.push_back(std::make_unique<BoardStep>());
   steps.push_back(std::make_unique<DropStep>());
   steps.push_back(std::make_unique<TriggerStep>());
   steps.push_back(std::make_unique<BallsStep>());

@@ -22,6 +22,11 @@ struct CommissionTable {
 
   double brightness_ratio = 1.5;  ///< 1.01 to 100; of the brighter lamp on the picture to the dimmer one
   int balls = 9;                  ///< 2 to 1000; thrown for gravity, noise and repeatability
+  /// Where photographs of a printed chessboard are put, beside the rig file unless it begins with /; absent: nowhere.
+  std::optional<std::string> board_folder;
+  int board_columns = 9;          ///< 3 to 100; inner corners
+  int board_rows = 6;             ///< 3 to 100
+  double board_spacing_mm = 0.0;  ///< 0.1 to 1000; side of a square; 0 (key absent): not known
   double gravity_mps2 = flight::kStandardGravity_mps2;  ///< 9.7 to 9.9; the place's own
 };
 

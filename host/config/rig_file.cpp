@@ -139,6 +139,8 @@ Result<RigFile> load_rig(const std::string& path) {
   if (!rig) return rig;
   if (rig->key_file) rig->key_file = (beside / *rig->key_file).string();
   if (rig->camera.folder) rig->camera.folder = (beside / *rig->camera.folder).string();
+  if (rig->commission.board_folder)
+    rig->commission.board_folder = (beside / *rig->commission.board_folder).string();
   if (!rig->camera.calibration) return rig;
   const std::string name = (beside / *rig->camera.calibration).string();
   const auto calibration = read_file(name);

@@ -38,7 +38,7 @@ struct BallShot {
   std::optional<std::string> rejected;
   reduction::Readout readout;
   int images = 0;                ///< of the ball, measured
-  int centres = 0;               ///< degrees of freedom of the residuals, about
+  int centres = 0;               ///< degrees of freedom of the centres' residuals
   std::optional<double> lag_s;   ///< from the trigger to the plate
   std::optional<double> spot_m;  ///< of touchdown on the photograph, along the surface
   int gate_edges = 0;
@@ -48,7 +48,7 @@ struct BallShot {
 StepResult judge_throws(const std::string& id, std::span<const BallShot> shots, bool gate_fitted);
 /// Whether the code of the flashes was found on each photograph.
 StepResult judge_flashes(const std::string& id, std::span<const BallShot> shots);
-/// Whether residuals are as large as the images' stated sds: chi squared of all shots over its degrees of freedom.
+/// Whether centres are as far off their flights as they state: chi squared of all shots over its degrees of freedom.
 StepResult judge_noise(const std::string& id, std::span<const BallShot> shots);
 /// Mean lag against the rig file's, and the spread of lag, spot and speed.
 StepResult judge_repeatability(const std::string& id, std::span<const BallShot> shots,

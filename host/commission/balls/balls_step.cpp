@@ -29,15 +29,12 @@ double in_photograph_width_m(const host::RigFile& rig, const Frame& frame, doubl
   return px_per_m > 0.0 ? width_px / px_per_m : 0.6;
 }
 
-/// Residuals of the flights: two coordinates of each centre but four of each leg, and each equator but two.
+/// Two coordinates of each centre, but four of each leg.
 int freedom_of(const Frame& frame) {
-  int centres = 0, equators = 0;
-  for (const auto& image : frame.images) {
-    const bool in_air = image.leg == Leg::incoming || image.leg == Leg::rebound;
-    centres += in_air;
-    equators += in_air && image.equator_rad.has_value();
-  }
-  return std::max(0, 2 * centres - 8) + std::max(0, equators - 4);
+  const auto centres = std::ranges::count_if(frame.images, [](const reduction::BallImage& image) {
+    return image.leg == Leg::incoming || image.leg == Leg::rebound;
+  });
+  return std::max(0, 2 * static_cast<int>(centres) - 8);
 }
 
 struct Touchdown {
@@ -45,21 +42,24 @@ struct Touchdown {
   double spot_m = 0.0;
 };
 
-/// Between the last image before the plate and the first after it.
+/// Where the line through the last two images before the plate comes down to a radius above it.
 std::optional<Touchdown> touchdown_of(const Frame& frame, double px_per_m) {
-  const reduction::BallImage *last = nullptr, *first = nullptr;
-  for (const auto& image : frame.images) {
-    if (image.leg == Leg::incoming) last = &image;
-    if (image.leg == Leg::rebound && first == nullptr) first = &image;
-  }
+  std::vector<const reduction::BallImage*> incoming;
+  for (const auto& image : frame.images)
+    if (image.leg == Leg::incoming) incoming.push_back(&image);
   std::vector<Eigen::Vector2d> points;
   for (const auto& p : frame.surface_px) points.emplace_back(p.x, p.y);
   const auto line = geometry::fit_line(points);
-  if (last == nullptr || first == nullptr || !line || px_per_m <= 0.0) return std::nullopt;
-  const auto along = [&](const reduction::BallImage& image) {
-    return line->direction().dot(Eigen::Vector2d(image.centre_px.x, image.centre_px.y));
+  if (incoming.size() < 2 || !line || px_per_m <= 0.0) return std::nullopt;
+  const auto seen = [&](const reduction::BallImage& image) {
+    return line->coordinates(Eigen::Vector2d(image.centre_px.x, image.centre_px.y));
   };
-  return Touchdown{0.5 * (last->time_s + first->time_s), 0.5 * (along(*last) + along(*first)) / px_per_m};
+  const reduction::BallImage &before = *incoming[incoming.size() - 2], &last = *incoming.back();
+  const Eigen::Vector2d a = seen(before), b = seen(last);
+  if (a.y() <= b.y()) return std::nullopt;
+  const double further = (b.y() - 0.5 * last.diameter_px) / (a.y() - b.y());
+  return Touchdown{last.time_s + further * (last.time_s - before.time_s),
+                   (b.x() + further * (b.x() - a.x()) + line->origin().x()) / px_per_m};
 }
 
 /// The instant of the first image, after the machine's trigger.

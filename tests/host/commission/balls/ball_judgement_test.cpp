@@ -28,7 +28,7 @@ std::vector<BallShot> good_shots(int count = 9) {
   for (int i = 0; i < count; ++i) {
     BallShot shot;
     shot.readout.value[reduction::Quantity::v_td_mps] = 17.0 + 0.02 * (i % 3);
-    shot.readout.residual_ratios.all = 1.0 + 0.02 * (i % 5 - 2);
+    shot.readout.residual_ratios.by_kind[0] = 1.0 + 0.02 * (i % 5 - 2);
     shot.readout.flashes = reduction::ImagedFlashes{60, 80, 1e-6, true};
     shot.images = 20;
     shot.centres = 40;
@@ -111,7 +111,7 @@ TEST(BallJudgement, MostPhotographsMustTellTheirFlashes) {
 TEST(BallJudgement, ResidualsMustBeAsStated) {
   auto shots = good_shots();
   passes(judge_noise("noise", shots));
-  for (BallShot& shot : shots) shot.readout.residual_ratios.all = 2.0;
+  for (BallShot& shot : shots) shot.readout.residual_ratios.by_kind[0] = 2.0;
   fails("noisy", judge_noise("noise", shots));
   for (BallShot& shot : shots) shot.rejected = "none";
   CHECK_EQUAL("no_residuals", judge_noise("noise", shots).fault);

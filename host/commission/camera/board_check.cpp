@@ -1,0 +1,139 @@
+#include "host/commission/camera/board_check.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "host/camera/calibration.hpp"
+
+namespace strobe::commission {
+namespace {
+
+using camera::BoardView;
+
+/// A pair of neighbours on the board.
+struct Step {
+  double across, upwards;  ///< from the photograph's middle, over its width and height
+  double log_ratio;        ///< of the length by the rig file's map over that on the board
+};
+
+std::vector<Step> steps_of(const BoardView& view, int width_px, int height_px, const digitize::PlaneMap& map,
+                           double px_per_m) {
+  double spacing_m = 1e9;
+  for (std::size_t i = 1; i < view.board_m.size(); ++i)
+    spacing_m = std::min(spacing_m, cv::norm(view.board_m[i] - view.board_m[0]));
+  std::vector<Step> steps;
+  for (std::size_t i = 0; i < view.board_m.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const double on_board_m = cv::norm(view.board_m[i] - view.board_m[k]);
+      if (on_board_m > 1.01 * spacing_m) continue;
+      const double by_map_m =
+          cv::norm(map.to_plane(view.image_px[i]) - map.to_plane(view.image_px[k])) / px_per_m;
+      const cv::Point2d middle = 0.5 * (view.image_px[i] + view.image_px[k]);
+      steps.push_back(
+          {middle.x / width_px - 0.5, 0.5 - middle.y / height_px, std::log(by_map_m / on_board_m)});
+    }
+  }
+  return steps;
+}
+
+/// A map of too many px a metre makes lengths too short.
+void fit_scale(std::span<const Step> steps, BoardCheck& check) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Step& s : steps) {
+    const Eigen::Vector3d row(1.0, s.across, s.upwards);
+    information += row * row.transpose();
+    sum -= s.log_ratio * row;
+  }
+  const Eigen::Vector3d terms = information.ldlt().solve(sum);
+  double squares = 0.0;
+  for (const Step& s : steps)
+    squares += std::pow(s.log_ratio + terms.dot(Eigen::Vector3d(1.0, s.across, s.upwards)), 2.0);
+  const Eigen::Matrix3d covariance =
+      squares / std::max(1.0, static_cast<double>(steps.size()) - 3.0) * information.inverse();
+  check.scale_off = std::expm1(terms[0]);
+  check.across = terms[1], check.upwards = terms[2];
+  check.scale_sd = std::sqrt(covariance(0, 0));
+  check.across_sd = std::sqrt(covariance(1, 1)), check.upwards_sd = std::sqrt(covariance(2, 2));
+}
+
+}  // namespace
+
+double covered_share(std::span<const BoardView> views, int width_px, int height_px) {
+  constexpr int kCells = 200;  // of either side: a board's edge is told to half a percent
+  cv::Mat covered = cv::Mat::zeros(kCells, kCells, CV_8U);
+  for (const BoardView& view : views) {
+    std::vector<cv::Point> points, outline;
+    for (const cv::Point2d& p : view.image_px)
+      points.emplace_back(static_cast<int>(kCells * p.x / width_px),
+                          static_cast<int>(kCells * p.y / height_px));
+    cv::convexHull(points, outline);
+    cv::fillConvexPoly(covered, outline, cv::Scalar(1));
+  }
+  return static_cast<double>(cv::countNonZero(covered)) / (kCells * kCells);
+}
+
+Result<BoardCheck> check_board(std::span<const BoardView> views, int width_px, int height_px,
+                               const digitize::PlaneMap& map, double px_per_m) {
+  camera::CalibrationSettings settings;
+  settings.width_px = width_px;
+  settings.height_px = height_px;
+  const auto found = camera::calibrate(views, settings);
+  if (!found) return tl::unexpected(found.error());
+  BoardCheck check;
+  check.views = static_cast<int>(views.size());
+  check.covered = covered_share(views, width_px, height_px);
+  check.residual_px = found->fit.sigma_px;
+  fit_scale(steps_of(views.front(), width_px, height_px, map, px_per_m), check);
+  return check;
+}
+
+StepResult judge_board(const std::string& id, const BoardCheck& check) {
+  constexpr double kCertain_sd = 4.0, kMaxSlope = 0.006;
+  const auto beyond = [](double value, double sd, double limit) {
+    return std::abs(value) > std::max(limit, kCertain_sd * sd);
+  };
+  StepResult result;
+  result.id = id;
+  result.state = StepState::passed;
+  result.value = 100.0 * check.scale_off;
+  result.sd = 100.0 * check.scale_sd;
+  result.unit = "%";
+  result.limit = fmt::format(
+      "scale within {:.1f} %, slope within {:.1f} %, residuals below {:.1f} px, {:.0f} % of the view covered",
+      100.0 * kMaxBoardScale, 100.0 * kMaxSlope, kMaxBoardResidual_px, 100.0 * kMinCovered);
+  result.words = fmt::format(
+      "by {} photographs of the board the rig file's scale is {:+.2f} % off, {:+.2f} % more from left to "
+      "right, "
+      "{:+.2f} % upwards; residuals of {:.2f} px, {:.0f} % of the view covered",
+      check.views, 100.0 * check.scale_off, 100.0 * check.across, 100.0 * check.upwards, check.residual_px,
+      100.0 * check.covered);
+  result.figures = {{"scale_off_percent", 100.0 * check.scale_off, 100.0 * check.scale_sd, 0.0, check.views},
+                    {"across_percent", 100.0 * check.across, 100.0 * check.across_sd, 0.0, check.views},
+                    {"upwards_percent", 100.0 * check.upwards, 100.0 * check.upwards_sd, 0.0, check.views},
+                    {"residual_px", check.residual_px, {}, {}, check.views},
+                    {"covered_percent", 100.0 * check.covered, {}, {}, check.views}};
+  if (check.residual_px > kMaxBoardResidual_px)
+    mark_failed(
+        result, "board_unclear",
+        "focus, light the board evenly, see that it is flat and that spacing and corners are as stated");
+  else if (check.covered < kMinCovered)
+    mark_failed(result, "board_too_small",
+                "photograph the board in more places, to the corners of the view, or print a larger one");
+  else if (beyond(check.scale_off, check.scale_sd, kMaxBoardScale))
+    mark_failed(result, "scale_off", "calibrate again: strobe calibrate with these photographs and --rig");
+  else if (beyond(check.across, check.across_sd, kMaxSlope) ||
+           beyond(check.upwards, check.upwards_sd, kMaxSlope))
+    mark_failed(
+        result, "camera_tilted",
+        "the camera has moved since its calibration: strobe calibrate with these photographs and --rig");
+  return result;
+}
+
+}  // namespace strobe::commission
