@@ -14,6 +14,9 @@ constexpr float kLit = 0.03F;
 /// Of the pixels: 5,000 of 5 million, whose noise is then below a thousandth.
 constexpr double kLeastShare = 0.001;
 
+/// Of a short train's light over the other one's: less is not chance, and whether light adds up is left open.
+constexpr double kWhole = 0.85;
+
 /// Means over the pixels that are lit in the photograph of both lamps and saturated in none.
 struct Means {
   double a = 0.0, b = 0.0, both = 0.0, early = 0.0, late = 0.0;
@@ -61,24 +64,25 @@ Result<LampLight> measure_lamp_light(const LampPhotographs& p) {
   if (means.share < kLeastShare)
     return fail(
         "hardly anything in the view is lit by the lamps: stand a white sheet of paper where balls fly");
-  // Of A, of B and of the better half of the two short trains: three equations for a, b and the dark.
-  const bool early_better = means.early >= means.late;
-  const LitPhotograph& half = early_better ? p.early : p.late;
+  // A, B and both flash at the same instants: however much of the exposure is cut off, this is the dark.
+  const double dark = means.a + means.b - means.both;
+  const double of_early = (means.early - dark) / p.early.flashes,
+               of_late = (means.late - dark) / p.late.flashes;
+  const double whole = std::max(of_early, of_late);
+  light.early = whole > 0.0 ? of_early / whole : 1.0;
+  light.late = whole > 0.0 ? of_late / whole : 1.0;
+  light.dark = dark;
+  light.a = (means.a - dark) / p.of_a.flashes, light.b = (means.b - dark) / p.of_b.flashes;
+  if (std::min(light.early, light.late) < kWhole) return light;
+  // Of A, of B and of the short trains: three equations for a, b and the dark, of which both make a fourth.
+  const double flashes_of_short = 0.5 * (p.early.flashes + p.late.flashes);
   Eigen::Matrix3d flashes;
-  flashes << p.of_a.flashes, 0.0, 1.0, 0.0, p.of_b.flashes, 1.0, half.flashes, half.flashes, 1.0;
-  const Eigen::Vector3d seen(means.a, means.b, early_better ? means.early : means.late);
-  const Eigen::Vector3d solved = flashes.partialPivLu().solve(seen);
+  flashes << p.of_a.flashes, 0.0, 1.0, 0.0, p.of_b.flashes, 1.0, flashes_of_short, flashes_of_short, 1.0;
+  const Eigen::Vector3d solved =
+      flashes.partialPivLu().solve(Eigen::Vector3d(means.a, means.b, 0.5 * (means.early + means.late)));
   light.a = solved[0], light.b = solved[1], light.dark = solved[2];
   const double of_both = means.both - light.dark;
   light.excess = of_both > 0.0 ? 1.0 - p.of_both.flashes * (light.a + light.b) / of_both : 0.0;
-  // The dark from all three long trains, where light adds up.
-  const double dark = std::abs(light.excess) < 0.05 ? means.a + means.b - means.both : light.dark;
-  const auto share = [&](double mean, const LitPhotograph& of) {
-    const double expected = (means.both - dark) * of.flashes / p.of_both.flashes;
-    return expected > 0.0 ? (mean - dark) / expected : 0.0;
-  };
-  light.early = share(means.early, p.early);
-  light.late = share(means.late, p.late);
   return light;
 }
 

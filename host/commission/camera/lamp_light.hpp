@@ -22,9 +22,9 @@ struct LampLight {
   double a = 0.0, b = 0.0;  ///< of one flash, over what saturates, mean of the pixels that are lit
   double dark = 0.0;        ///< of the exposure without any flash
   /// Light of both that is not that of A and of B, as a share of it: 0 where light adds up and the file's numbers are
-  /// proportional to it.
+  /// proportional to it, or where the shutter is not open from the first flash to the last.
   double excess = 0.0;
-  double early = 1.0, late = 1.0;  ///< light of those flashes as a share of what it should be
+  double early = 1.0, late = 1.0;  ///< light of those flashes over that of the better of the two trains
   double lit_share = 0.0;          ///< of the pixels: bright enough, and not saturated
 };
 

@@ -88,6 +88,15 @@ TEST(LampLight, TellsAShutterThatOpensLateOrClosesEarly) {
   CHECK_EQUAL("shutter_opens_late", window_fault_of({.early = 0.7}));
   CHECK_EQUAL("shutter_closes_early", window_fault_of({.late = 0.0}));
   CHECK_EQUAL("", fault_of({.late = 0.0}));
+  // A shutter that closes after a third of the long trains, too.
+  LampPhotographs cut = photographs({.late = 0.0});
+  cut.of_a = photograph(33, 0, 1.0, 1.0), cut.of_b = photograph(0, 33, 1.0, 1.0),
+  cut.of_both = photograph(33, 33, 1.0, 1.0);
+  cut.of_a.flashes = cut.of_b.flashes = cut.of_both.flashes = 100;
+  const auto light = measure_lamp_light(cut);
+  CHECK(light.has_value());
+  CHECK_EQUAL("shutter_closes_early", judge_exposure_window("exposure_window", *light).fault);
+  CHECK_EQUAL("", judge_light("light", *light, {}).fault);
 }
 
 TEST(LampLight, NeedsSomethingThatReflects) {
