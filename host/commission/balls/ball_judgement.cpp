@@ -8,17 +8,14 @@
 
 #include "common/reduction/running_statistics.hpp"
 #include "common/reduction/student_t.hpp"
+#include "host/commission/core/limits.hpp"
 
 namespace strobe::commission {
 namespace {
 
-/// Two-sided, of a normal: 6e-5.
-constexpr double kCertain_sd = 4.0;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 /// No plate is levelled, and no inclinometer read, better.
 constexpr double kInclination_deg = 0.5;
-/// Of the ball's size over the whole width: speeds of either leg are then off by a quarter of it.
-constexpr double kMaxSlope = 0.006;
 
 StepResult passing(const std::string& id, double value, std::optional<double> sd, std::string unit,
                    std::string limit) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/camera/calibration.hpp"
+#include "host/commission/core/limits.hpp"
 
 namespace strobe::commission {
 namespace {
@@ -95,7 +96,6 @@ Result<BoardCheck> check_board(std::span<const BoardView> views, int width_px, i
 }
 
 StepResult judge_board(const std::string& id, const BoardCheck& check) {
-  constexpr double kCertain_sd = 4.0, kMaxSlope = 0.006;
   const auto beyond = [](double value, double sd, double limit) {
     return std::abs(value) > std::max(limit, kCertain_sd * sd);
   };
