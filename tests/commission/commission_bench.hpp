@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -36,7 +37,7 @@ struct Outcome {
   std::vector<std::string> failures() const;
 };
 
-/// A rig that the simulation could not keep up with is commissioned again, whatever was found.
-Outcome commission(const BenchOptions& options);
+/// Where the simulation could not keep up and the outcome is not the expected one, the rig is commissioned again.
+Outcome commission(const BenchOptions& options, const std::function<bool(const Outcome&)>& as_expected);
 
 }  // namespace strobe::commission_bench

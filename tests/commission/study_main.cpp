@@ -41,16 +41,14 @@ bool report(const WrongRig& rig, const Outcome& outcome) {
     return false;
   }
   const auto failures = outcome.failures();
-  const auto found = std::ranges::find_if(failures, [&](const std::string& id) {
-    return std::ranges::find(rig.found_by, id) != rig.found_by.end();
-  });
-  if (found == failures.end()) {
+  const std::string found = found_by(rig, outcome);
+  if (found.empty()) {
     fmt::print("| {} | NOT FOUND | | failed: {} | {:.0f} |\n", rig.name, fmt::join(failures, ", "),
                outcome.seconds);
     return false;
   }
-  const nlohmann::json& step = *outcome.step(*found);
-  fmt::print("| {} | {}: {} | {} | {} | {:.0f} |\n", rig.name, *found, step.value("fault", ""), number(step),
+  const nlohmann::json& step = *outcome.step(found);
+  fmt::print("| {} | {}: {} | {} | {} | {:.0f} |\n", rig.name, found, step.value("fault", ""), number(step),
              step.value("words", ""), outcome.seconds);
   return true;
 }
@@ -104,7 +102,8 @@ int main(int argc, char** argv) {
     rig.options.balls = plan.balls;
     if (!plan.whole) rig.options.only = enough_for(rig);
     if (!plan.keep.empty()) rig.options.keep = plan.keep + "/" + std::to_string(number_of_rig);
-    missed += !report(rig, commission(rig.options));
+    missed +=
+        !report(rig, commission(rig.options, [&](const Outcome& o) { return !found_by(rig, o).empty(); }));
     ++tried;
     std::fflush(stdout);
   }
@@ -113,7 +112,8 @@ int main(int argc, char** argv) {
     options.seed = plan.seed + 1000 + static_cast<std::uint64_t>(i);
     options.balls = plan.balls;
     if (!plan.keep.empty()) options.keep = plan.keep + "/good-" + std::to_string(i + 1);
-    missed += !report_good(options.seed, commission(options));
+    missed += !report_good(options.seed,
+                           commission(options, [](const Outcome& o) { return o.failures().empty(); }));
     std::fflush(stdout);
   }
   fmt::print("\n{} faults, {} sound rigs; {} wrong verdicts\n", tried, plan.good, missed);

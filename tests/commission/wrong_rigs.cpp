@@ -1,5 +1,6 @@
 #include "tests/commission/wrong_rigs.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace strobe::commission_bench {
@@ -109,6 +110,12 @@ std::vector<WrongRig> geometry_and_machine() {
 }
 
 }  // namespace
+
+std::string found_by(const WrongRig& rig, const Outcome& outcome) {
+  for (const std::string& id : outcome.failures())
+    if (std::ranges::find(rig.found_by, id) != rig.found_by.end()) return id;
+  return "";
+}
 
 const std::vector<WrongRig>& wrong_rigs() {
   static const std::vector<WrongRig> all = [] {

@@ -16,4 +16,7 @@ struct WrongRig {
 
 const std::vector<WrongRig>& wrong_rigs();
 
+/// The first step that should have found the fault and did; empty: none.
+std::string found_by(const WrongRig& rig, const Outcome& outcome);
+
 }  // namespace strobe::commission_bench
