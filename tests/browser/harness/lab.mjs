@@ -54,7 +54,12 @@ export function keep(host) {
 /// causes, such as requests to a host that is gone.
 export function check(name, body, { expected } = {}) {
   test(name, async () => {
-    await body();
+    try {
+      await body();
+    } catch (error) {
+      for (const host of hosts) console.error(`${host.name}: ${host.err.split('\n').slice(-8).join('\n  ')}`);
+      throw error;
+    }
     const trouble = pages.flatMap((page) => page.trouble.splice(0));
     assert.deepEqual(trouble.filter((words) => !expected?.test(words)), []);
   });
