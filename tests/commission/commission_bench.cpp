@@ -113,6 +113,7 @@ class Bench {
            options_.rig_tables;
     testing::write_text(file("rig.toml"), rig);
     fs::create_directories(file("session"));
+    fs::create_directories(file("elsewhere"));  // where no camera writes
     const auto board = testing::run_process({{program("strobe-sim"), "board", "--scene", file("scene.toml"),
                                               "--spacing-mm", "60", "--slanted", "2", "--out", file("board")},
                                              {},
