@@ -15,6 +15,8 @@ constexpr Duration kSendAgain = milliseconds{300};
 // After a token is gone without a sign of the shot: its events and status may still be on their way.
 constexpr Duration kSignOfShot = milliseconds{1500};
 constexpr int kMaxRefusals = 3;
+/// The firmware's word for it (firmware/core/interlock.cpp); DISARMs of this host's own come with the series' end.
+constexpr std::string_view kDisarmedByCommand = "disarmed by command";
 
 std::string rejection_in_full(const ShotResult& shot_result) {
   const std::string& flag = *shot_result.rejected;
@@ -199,6 +201,9 @@ void ShotSeries::on_event(const event_t& event) {
   }
   // A refusal from before the command is none of it: it was lost and came late, or a log is played back.
   const bool answers = event.boot_id == asked_boot_ && event.sequence > asked_after_;
+  const bool ended = event.kind == event_t::DISARMED || event.kind == event_t::SHOT_ABORTED;
+  if (ended && answers && shot_asked_for() && event.detail == kDisarmedByCommand)
+    return end_after_shot("another host has disarmed the rig", std::nullopt);
   if (event.kind != event_t::REFUSED || !answers || (state_ != State::arming && state_ != State::firing))
     return;
   refusal_ = "refused: " + event.detail;

@@ -75,6 +75,8 @@ class ShotSeries {
  private:
   enum class State { waiting, arming, firing, shooting, finished };
 
+  /// Armed, or to be: whoever disarms now wants no shot.
+  bool shot_asked_for() const { return state_ == State::arming || shot_under_way(); }
   void wait_for_readiness(const strobe_msgs::status_t& status, HostTime now);
   void arm(const strobe_msgs::status_t& status, HostTime now);
   void fire(const strobe_msgs::status_t& status, HostTime now);

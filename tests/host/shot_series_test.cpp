@@ -437,6 +437,36 @@ TEST(ShotSeriesOfAHost, StoppingGivesTheTokenBackOrAbortsTheShot) {
   CHECK_FALSE(play.series.succeeded());
 }
 
+TEST(ShotSeriesOfAHost, EndsWhenAnotherHostDisarmsWhatItHasArmed) {
+  for (const std::int8_t kind : {event_t::DISARMED, event_t::SHOT_ABORTED}) {
+    Play play(series(50, 5));
+    for (int i = 0; i < 8; ++i) play.turn();
+    LONGS_EQUAL(1, play.firmware.fired);
+    event_t event{};
+    event.boot_id = kBoot;
+    event.kind = kind;
+    event.detail = "disarmed by command";
+    event.sequence = play.firmware.status.last_sequence;  // of before: a log that is played back
+    play.series.on_event(event);
+    ++event.sequence;
+    event.detail = "key off";
+    play.series.on_event(event);
+    play.verdicts = {"the shot was aborted"};
+    play.run(50);
+    CHECK(play.firmware.fired > 1);  // neither of these ended it
+    while (!play.series.shot_under_way()) play.turn();
+    const int fired = play.firmware.fired;
+    event.detail = "disarmed by command";
+    event.sequence = play.firmware.status.last_sequence + 100;
+    play.series.on_event(event);
+    play.run(500);
+    CHECK_TRUE(play.series.finished());
+    CHECK_FALSE(play.series.succeeded());
+    CHECK(play.firmware.fired <= fired + 1);
+    STRCMP_CONTAINS("another host has disarmed the rig", play.series.blocking_reason().c_str());
+  }
+}
+
 TEST(ShotSeriesOfAHost, ALatchedFaultIsClearedOnlyWhenAskedTo) {
   for (const bool asked : {false, true}) {
     ShotSeriesSettings settings = series(1);
