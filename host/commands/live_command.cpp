@@ -14,6 +14,7 @@
 #include "host/commands/terminal.hpp"
 #include "host/commands/web_page.hpp"
 #include "host/config/rig_file.hpp"
+#include "host/loop/disarm_hold.hpp"
 #include "host/loop/host_loop.hpp"
 #include "host/messages/lcm_link.hpp"
 #include "host/view/timing.hpp"
@@ -85,17 +86,11 @@ class MissingNotes {
   HostTime since_;
 };
 
-void disarm(HostLoop& loop, const std::string& from) {
-  const auto& status = loop.session().status();
-  if (!status) return loop.notify("cannot be disarmed, as the page asks: no firmware heard");
-  loop.send(loop.commands().disarm(status->boot_id));
-  loop.notify("disarmed from the page by " + from);
-}
-
-void step(WebPage& page, HostLoop& loop, const ViewModel& model) {
+void step(WebPage& page, DisarmHold& hold, HostLoop& loop, const ViewModel& model) {
   for (const web::LiveCommand& command : page.take_commands()) {
-    if (command.kind == web::LiveCommand::Kind::disarm) disarm(loop, command.from);
+    if (command.kind == web::LiveCommand::Kind::disarm) hold.disarm("the page at " + command.from);
   }
+  hold.step();
   page.step(loop, model, {model.series.counted(), std::nullopt, false});
 }
 
@@ -104,10 +99,11 @@ bool watch(HostLoop& loop, Terminal& terminal, TimingReport* timing, WebPage* pa
            const LiveOptions& options) {
   const Duration idle = from_seconds(options.idle_exit_s);
   MissingNotes missing;
+  DisarmHold hold(loop);
   while (!interrupted()) {
     if (!loop.run_once()) return false;
     terminal.show(loop);
-    if (page) step(*page, loop, terminal.model());
+    if (page) step(*page, hold, loop, terminal.model());
     if (timing) timing->step();
     if (terminal.output_problem()) break;
     if (const auto note = missing.update(terminal.model().events_missing, loop.now())) terminal.note(*note);

@@ -11,6 +11,7 @@
 #include "common/authentication/seal.hpp"
 #include "common/messages/channels.hpp"
 #include "common/messages/encode.hpp"
+#include "host/loop/disarm_hold.hpp"
 #include "host/loop/series_runner.hpp"
 #include "host/session/logged_transport.hpp"
 #include "tests/host/synthetic_shot.hpp"
@@ -168,6 +169,46 @@ TEST(HostLoop, SaysWithACommandWhenItWasSentByTheFirmwaresClock) {
   CHECK_EQUAL(7'400'000'000, last_command().sent_boot_time_ns);
   loop.send(loop.commands().arm(kBoot + 1));  // not heard
   CHECK_EQUAL(0, last_command().sent_boot_time_ns);
+}
+
+TEST(HostLoop, ARigDisarmedBetweenTwoShotsIsDisarmedAgainAsTheNextIsArmed) {
+  HostLoop loop(settings(false), bus, clock);
+  loop.add_listener(results);
+  host::DisarmHold hold(loop);
+  status_t status = idle_status();
+  status.state = status_t::SPENT;
+  arrive(Channel::status, status);
+  pass(loop, 0.02);
+  hold.disarm("the page");
+  LONGS_EQUAL(1, bus.commands.size());
+  STRCMP_CONTAINS("nothing was armed", results.notifications.back().c_str());
+  status.state = status_t::ARMED;
+  status.arm_host_id = kHost + 1;
+  for (const std::int64_t token : {9, 9, 10}) {  // a status comes again until the next arming
+    status.arm_token = token;
+    arrive(Channel::status, status);
+    pass(loop, 1.0);
+    hold.step();
+    LONGS_EQUAL(command_t::DISARM, last_command().kind);
+  }
+  LONGS_EQUAL(3, bus.commands.size());
+}
+
+TEST(HostLoop, ARigMayBeArmedAgainOnceItsDisarmingIsLongPast) {
+  HostLoop loop(settings(false), bus, clock);
+  host::DisarmHold hold(loop);
+  arrive(Channel::status, idle_status());
+  pass(loop, 0.02);
+  hold.disarm("the page");
+  clock.now += host::DisarmHold::kHold;
+  status_t status = idle_status();
+  status.state = status_t::ARMED;
+  status.arm_host_id = kHost + 1;
+  status.arm_token = 9;
+  arrive(Channel::status, status);
+  pass(loop, 0.02);
+  hold.step();
+  LONGS_EQUAL(1, bus.commands.size());
 }
 
 TEST(HostLoop, EndsWhenNothingCanBeReceived) {
