@@ -280,7 +280,8 @@ void Rig::on_trigger(MonoTime at) {
     throws = 1;
     const ShotConditions thrown = draw_shot_conditions(scene_, seed_, shot);
     const MonoTime touchdown = at + from_seconds(thrown.lag_s);
-    if (shot_fault(scene_.faults, FaultKind::gate_chatter, shot)) occurred.push_back(FaultKind::gate_chatter);
+    for (const FaultKind kind : {FaultKind::gate_chatter, FaultKind::gate_dead})
+      if (shot_fault(scene_.faults, kind, shot)) occurred.push_back(kind);
     if (auto path = BallPath::make(scene_, thrown, model_, reduced_ ? &*reduced_ : nullptr)) {
       if (gate_watched_) drive_gate(*path, touchdown, at, shot);
       ball = ThrownBall{std::move(*path), touchdown};
@@ -321,10 +322,7 @@ void Rig::drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger,
   if (!enters_s || !leaves_s) return;
   const MonoTime rise = touchdown + from_seconds(*enters_s);
   const MonoTime fall = touchdown + from_seconds(*leaves_s);
-  if (shot_fault(scene_.faults, FaultKind::gate_dead, shot)) {
-    note_faults({FaultKind::gate_dead});
-    return;
-  }
+  if (shot_fault(scene_.faults, FaultKind::gate_dead, shot)) return;
   if (rise <= trigger) return;  // the machine stands on the plate's side of the beam
   schedule({rise, RigLine::gate, 1});
   schedule({fall, RigLine::gate, 0});
