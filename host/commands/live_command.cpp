@@ -122,8 +122,9 @@ int run_live(const LiveOptions& options) {
   HostLoopSettings settings{rig->rig, assembly_settings(*rig), random_host_id()};
   settings.assembly.budgets = !options.json || options.web.on;
   if (key && !options.unverified) settings.key = key->key;
-  auto page = WebPage::open(options.web, {"live", STROBE_VERSION, "", options.key_file}, *rig,
-                            [&](web::Router& router, web::EventHub&) { web::add_record_route(router, options.rig_path); });
+  auto page = WebPage::open(
+      options.web, {"live", STROBE_VERSION, "", options.key_file}, *rig,
+      [&](web::Router& router, web::EventHub&) { web::add_record_route(router, options.rig_path); });
   if (!page) return bad_input(page.error().message);
   MachineClock clock;
   auto link = LcmLink::open(url, rig->rig);

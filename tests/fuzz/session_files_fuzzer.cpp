@@ -6,10 +6,10 @@
 #include <string>
 
 #include "host/archive/photograph_files.hpp"
-#include "host/commission/record/record.hpp"
-#include "host/session/run_record.hpp"
 #include "host/archive/stored_digitizations.hpp"
+#include "host/commission/record/record.hpp"
 #include "host/session/results_rows.hpp"
+#include "host/session/run_record.hpp"
 #include "host/session/shot_names.hpp"
 #include "tests/fuzz/require.hpp"
 

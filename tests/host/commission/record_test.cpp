@@ -104,12 +104,10 @@ TEST(CommissionRecord, StandsWhereAllHasPassedOnThisRigFile) {
 
 TEST(CommissionRecord, TellsWhatFailedIsMissingIsOldOrCameBeforeAChange) {
   const Record bad = whole(StepState::failed);
-  CHECK_EQUAL("commissioned on 2026-11-23; failed: lamp_a",
-              standing(bad, kInfos, rig, day()).words);
+  CHECK_EQUAL("commissioned on 2026-11-23; failed: lamp_a", standing(bad, kInfos, rig, day()).words);
   Record half = whole();
   half.steps.pop_back();
-  CHECK_EQUAL("commissioned on 2026-11-23; never done: shutter",
-              standing(half, kInfos, rig, day()).words);
+  CHECK_EQUAL("commissioned on 2026-11-23; never done: shutter", standing(half, kInfos, rig, day()).words);
   const Record record = whole();
   CHECK_TRUE(standing(record, kInfos, rig, day(30)).state == State::good);
   CHECK_EQUAL("commissioned on 2026-11-23; too old: lamp_a, shutter",
