@@ -15,7 +15,7 @@ namespace {
 constexpr Duration kPeriod = std::chrono::milliseconds{12};
 /// From the first flash: a person lets go as the flashes begin, the ball falls for half a second and leaves the view again.
 constexpr Duration kExposure = std::chrono::milliseconds{1300};
-constexpr int kDrops = 3;
+constexpr int kDrops = 5;
 
 ShotPlan slow_train(const host::RigFile& rig) {
   ShotPlan plan;
