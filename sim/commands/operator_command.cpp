@@ -26,33 +26,33 @@ constexpr int kBroken = -1;
 constexpr int kTries = 100;
 constexpr std::chrono::milliseconds kTryEvery{100};
 
-struct Deed {
+struct Response {
   std::string_view asked;  ///< in the command's words
   RigLine line;
   int level;  ///< kBroken: its wire is pulled
 };
 
-constexpr std::array<Deed, 12> kDeeds{{{"waiting: the key is off", RigLine::key, 1},
-                                       {"waiting: the e-stop is pressed", RigLine::estop, 1},
-                                       {"have the key off", RigLine::key, 0},
-                                       {"turn the key off", RigLine::key, 0},
-                                       {"turn the key on", RigLine::key, 1},
-                                       {"pull the wire of the key", RigLine::key, kBroken},
-                                       {"key_wire: put the wire back", RigLine::key, 1},
-                                       {"have the e-stop pressed", RigLine::estop, 0},
-                                       {"press the e-stop", RigLine::estop, 0},
-                                       {"release the e-stop", RigLine::estop, 1},
-                                       {"pull the wire of the e-stop", RigLine::estop, kBroken},
-                                       {"estop_wire: put the wire back", RigLine::estop, 1}}};
+constexpr std::array<Response, 12> kResponses{{{"waiting: the key is off", RigLine::key, 1},
+                                               {"waiting: the e-stop is pressed", RigLine::estop, 1},
+                                               {"have the key off", RigLine::key, 0},
+                                               {"turn the key off", RigLine::key, 0},
+                                               {"turn the key on", RigLine::key, 1},
+                                               {"pull the wire of the key", RigLine::key, kBroken},
+                                               {"key_wire: put the wire back", RigLine::key, 1},
+                                               {"have the e-stop pressed", RigLine::estop, 0},
+                                               {"press the e-stop", RigLine::estop, 0},
+                                               {"release the e-stop", RigLine::estop, 1},
+                                               {"pull the wire of the e-stop", RigLine::estop, kBroken},
+                                               {"estop_wire: put the wire back", RigLine::estop, 1}}};
 
 void obey(Chip& chip, std::string_view line) {
-  for (const Deed& deed : kDeeds) {
-    if (line.find(deed.asked) == line.npos) continue;
-    const auto offset = static_cast<std::uint32_t>(deed.line);
-    if (deed.level == kBroken)
+  for (const Response& response : kResponses) {
+    if (line.find(response.asked) == line.npos) continue;
+    const auto offset = static_cast<std::uint32_t>(response.line);
+    if (response.level == kBroken)
       chip.open_wire(offset, monotonic_now());
     else
-      chip.drive(offset, deed.level, monotonic_now());
+      chip.drive(offset, response.level, monotonic_now());
     return;
   }
 }

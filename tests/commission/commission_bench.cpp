@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 constexpr std::chrono::minutes kLongestRun{20};
 
 /// What a person at the rig does to its lines when these words are shown.
-const std::vector<std::pair<std::string, std::string>>& deeds() {
+const std::vector<std::pair<std::string, std::string>>& responses() {
   static const std::vector<std::pair<std::string, std::string>> all{
       {"key: have the key off", "KEY=0"},
       {"key: turn the key on", "KEY=1"},
@@ -147,15 +147,15 @@ class Bench {
     for (std::size_t end = err.find('\n', heeded_); end != std::string::npos; end = err.find('\n', heeded_)) {
       const std::string line = err.substr(heeded_, end - heeded_);
       heeded_ = end + 1;
-      for (const auto& [words, deed] : deeds())
-        if (line.find("  " + words) == 0 && !drive(deed)) return false;
+      for (const auto& [words, response] : responses())
+        if (line.find("  " + words) == 0 && !drive(response)) return false;
     }
     return true;
   }
 
-  bool drive(const std::string& deed) const {
+  bool drive(const std::string& response) const {
     const auto done = testing::run_process(
-        {{program("strobe-sim"), "drive", "--chip-dir", file("chip"), deed}, {}, {}, {}}, 20s);
+        {{program("strobe-sim"), "drive", "--chip-dir", file("chip"), response}, {}, {}, {}}, 20s);
     return done.status == testing::ExitStatus({0, 0});
   }
 

@@ -12,7 +12,7 @@ namespace {
 /// Over the dark: eight steps of an 8-bit file, so that rounding averages out.
 constexpr float kLit = 0.03F;
 /// Of the pixels: 5,000 of 5 million, whose noise is then below a thousandth.
-constexpr double kLeastShare = 0.001;
+constexpr double kMinShare = 0.001;
 
 /// Of a short train's light over the other one's: less is not chance, and whether light adds up is left open.
 constexpr double kWhole = 0.85;
@@ -61,7 +61,7 @@ Result<LampLight> measure_lamp_light(const LampPhotographs& p) {
   const Means means = means_of(p);
   LampLight light;
   light.lit_share = means.share;
-  if (means.share < kLeastShare)
+  if (means.share < kMinShare)
     return fail(
         "hardly anything in the view is lit by the lamps: stand a white sheet of paper where balls fly");
   // A, B and both flash at the same instants: however much of the exposure is cut off, this is the dark.

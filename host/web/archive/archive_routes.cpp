@@ -43,12 +43,12 @@ std::string escaped_part(const std::string& text) {
 
 Response list_sessions(Archive& archive) { return json_response(archive.sessions.list()); }
 
-constexpr int kUsualShots = 100, kMostShots = 2000;
+constexpr int kDefaultShots = 100, kMaxShots = 2000;
 
 Response list_shots(Archive& archive, const Request& request) {
   const auto rows = archive.sessions.rows(session_of(request));
   if (!rows) return unanswered_response(rows.error());
-  const int limit = std::clamp(asked_number(request, "limit").value_or(kUsualShots), 1, kMostShots);
+  const int limit = std::clamp(asked_number(request, "limit").value_or(kDefaultShots), 1, kMaxShots);
   auto end = rows->end();
   if (const std::string before = asked(request, "before"); !before.empty()) {
     end = std::ranges::find(*rows, before, &ShotRow::name);
