@@ -21,6 +21,11 @@ class RunningStatistics {
   double population_sd() const {
     return count_ > 0 ? std::sqrt(squares_ / static_cast<double>(count_)) : 0.0;
   }
+  /// Dividing by n - 1; 0 for fewer than two values.
+  double sample_sd() const {
+    const auto n = static_cast<double>(count_);
+    return n > 1.0 ? population_sd() * std::sqrt(n / (n - 1.0)) : 0.0;
+  }
   /// Population sd over |mean|; infinite or NaN at mean 0.
   double coefficient_of_variation() const { return population_sd() / std::abs(mean_); }
 

@@ -17,11 +17,6 @@ using reduction::kQuantityCount;
 using reduction::Quantity;
 using reduction::Source;
 
-double sample_sd(const reduction::RunningStatistics& all) {
-  const auto n = static_cast<double>(all.count());
-  return all.population_sd() * std::sqrt(n / (n - 1.0));
-}
-
 BudgetLine scatter_line(double standard_error, int n) {
   BudgetLine line;
   line.source = "scatter of the shots";
@@ -164,7 +159,7 @@ SeriesSummary Series::summary(std::string name) const {
     s.budget = shared_lines(shared, i);
     for (const BudgetLine& line : s.budget) s.shared_sd = std::hypot(s.shared_sd, line.effect);
     if (s.n > 1) {
-      s.scatter_sd = sample_sd(all);
+      s.scatter_sd = all.sample_sd();
       s.standard_error = *s.scatter_sd / std::sqrt(s.n);
       s.budget.insert(s.budget.begin(), scatter_line(*s.standard_error, s.n));
     }

@@ -41,7 +41,7 @@ std::optional<CalibratedDelay> lamp_delay_us(const shot_t& shot, int lamp, std::
   }
   if (series.count() < 2) return std::nullopt;
   const auto n = static_cast<double>(series.count());
-  const double sd = series.population_sd() * std::sqrt(n / (n - 1.0));
+  const double sd = series.sample_sd();
   return CalibratedDelay{static_cast<int>(series.count()), series.mean(), sd, sd / std::sqrt(n)};
 }
 

@@ -6,13 +6,15 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/reduction/running_statistics.hpp"
-#include "common/reduction/student_t.hpp"
 #include "host/commission/core/limits.hpp"
+#include "host/commission/core/sample.hpp"
 
 namespace strobe::commission {
 namespace {
 
+/// Of a sound rig a mean is beyond its margin, and an sd below its bound, once in 10,000 times: as a probability, and as
+/// the normal deviate that is exceeded so often.
+constexpr double kMeanProbability = 0.9999, kOnceInTenThousand = 3.72;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 /// No plate is levelled, and no inclinometer read, better.
 constexpr double kInclination_deg = 0.5;
@@ -28,25 +30,6 @@ StepResult passing(const std::string& id, double value, std::optional<double> sd
   result.limit = std::move(limit);
   return result;
 }
-
-struct Spread {
-  reduction::RunningStatistics values;
-  int count() const { return static_cast<int>(values.count()); }
-  double mean() const { return values.mean(); }
-  double sd() const {
-    const auto n = static_cast<double>(values.count());
-    return n > 1.0 ? values.population_sd() * std::sqrt(n / (n - 1.0)) : 0.0;
-  }
-  double mean_sd() const { return count() > 0 ? sd() / std::sqrt(static_cast<double>(count())) : 0.0; }
-  /// Of the mean, exceeded once in 10,000.
-  double margin() const {
-    return count() > 1 ? reduction::student_t_half_width(0.9999, count() - 1.0) * mean_sd() : 0.0;
-  }
-  /// The sd that is smaller than the true one but once in 10,000 (normal approximation of the logarithm).
-  double least_sd() const {
-    return count() > 1 ? sd() * std::exp(-3.72 / std::sqrt(2.0 * (count() - 1.0))) : 0.0;
-  }
-};
 
 int counted(std::span<const BallShot> shots) {
   return static_cast<int>(std::ranges::count_if(shots, [](const BallShot& s) { return !s.rejected; }));
@@ -226,12 +209,12 @@ StepResult judge_flashes(const std::string& id, std::span<const BallShot> shots)
 StepResult judge_noise(const std::string& id, std::span<const BallShot> shots) {
   using reduction::MeasurementKind;
   double chi_squared = 0.0, freedom = 0.0;
-  Spread equators;
+  Sample equators;
   for (const BallShot& shot : shots) {
     const auto& ratios = shot.readout.residual_ratios.by_kind;
     if (shot.rejected || shot.centres <= 0) continue;
     if (const auto& of_equator = ratios[static_cast<std::size_t>(MeasurementKind::equator)])
-      equators.values.add(*of_equator);
+      equators.add(*of_equator);
     const auto& of_centre = ratios[static_cast<std::size_t>(MeasurementKind::centre)];
     if (!of_centre) continue;
     chi_squared += *of_centre * *of_centre * shot.centres;
@@ -262,12 +245,12 @@ StepResult judge_noise(const std::string& id, std::span<const BallShot> shots) {
 
 StepResult judge_repeatability(const std::string& id, std::span<const BallShot> shots,
                                std::optional<double> stated_lag_s, double view_width_m) {
-  Spread lag, spot, speed;
+  Sample lag, spot, speed;
   for (const BallShot& shot : shots) {
-    if (shot.lag_s) lag.values.add(1e3 * *shot.lag_s);
-    if (shot.spot_m) spot.values.add(1e3 * *shot.spot_m);
+    if (shot.lag_s) lag.add(1e3 * *shot.lag_s);
+    if (shot.spot_m) spot.add(1e3 * *shot.spot_m);
     const auto v = shot.readout.value[reduction::Quantity::v_td_mps];
-    if (v && !shot.rejected) speed.values.add(*v);
+    if (v && !shot.rejected) speed.add(*v);
   }
   if (lag.count() < 2 || speed.count() < 2)
     return failed(id, "too_few_balls",
@@ -277,7 +260,7 @@ StepResult judge_repeatability(const std::string& id, std::span<const BallShot> 
   constexpr double kLag_ms = 10.0, kLagSd_ms = 15.0, kSpeedSd = 0.05;
   const double spot_limit_mm = 1e3 * 0.1 * view_width_m;
   const double stated_ms = 1e3 * stated_lag_s.value_or(1e-3 * lag.mean());
-  const double limit = kLag_ms + lag.margin();
+  const double limit = kLag_ms + lag.mean_margin(kMeanProbability);
   StepResult result =
       passing(id, lag.mean(), lag.mean_sd(), "ms",
               fmt::format("{:.0f} ± {:.0f} ms; spread of lag {:.0f} ms, spot {:.0f} mm, speed {:.0f} %",
@@ -294,10 +277,11 @@ StepResult judge_repeatability(const std::string& id, std::span<const BallShot> 
   if (std::abs(lag.mean() - stated_ms) > limit)
     mark_failed(result, "machine_lag_off",
                 fmt::format("write lag_ms = {:.0f} into [machine] and start strobed anew", lag.mean()));
-  else if (lag.least_sd() > kLagSd_ms)
+  else if (lag.sd_lower_bound(kOnceInTenThousand) > kLagSd_ms)
     mark_failed(result, "lag_spread",
                 "the machine's trigger varies: use the gate (train = \"gated\"), or look at its relay");
-  else if (spot.least_sd() > spot_limit_mm || speed.least_sd() > kSpeedSd * speed.mean())
+  else if (spot.sd_lower_bound(kOnceInTenThousand) > spot_limit_mm ||
+           speed.sd_lower_bound(kOnceInTenThousand) > kSpeedSd * speed.mean())
     mark_failed(result, "machine_spread",
                 "the machine scatters more than a series can average: warm it up, look at wheels and balls");
   return result;

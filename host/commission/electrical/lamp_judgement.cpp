@@ -6,9 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "common/reduction/running_statistics.hpp"
-#include "common/reduction/student_t.hpp"
 #include "common/units/time.hpp"
+#include "host/commission/core/sample.hpp"
 
 namespace strobe::commission {
 namespace {
@@ -16,8 +15,10 @@ namespace {
 using strobe_msgs::flash_t;
 using strobe_msgs::shot_t;
 
-constexpr double kShare =
-    0.998;  ///< of good rigs beyond the limit by chance: one in a thousand on either side
+/// Normal deviate that is exceeded so often.
+constexpr double kOnceInAThousand = 3.09;
+/// Of good rigs within the limit: one in a thousand is beyond it on either side.
+constexpr double kWithinByChance = 0.998;
 
 /// By the lamp's letter.
 struct Names {
@@ -53,25 +54,6 @@ double delay_us(const flash_t& flash, std::int64_t flash_t::*by) {
   return to_microseconds(from_ns(flash.*by) - from_ns(flash.issue_end_ns));
 }
 
-struct Series {
-  reduction::RunningStatistics values;
-  int count() const { return static_cast<int>(values.count()); }
-  double mean() const { return values.mean(); }
-  double sd() const {
-    const auto n = static_cast<double>(values.count());
-    return n > 1 ? values.population_sd() * std::sqrt(n / (n - 1.0)) : 0.0;
-  }
-  double mean_sd() const { return count() > 1 ? sd() / std::sqrt(static_cast<double>(count())) : 0.0; }
-  /// How far chance moves the mean.
-  double mean_margin() const {
-    return count() > 1 ? reduction::student_t_half_width(kShare, count() - 1.0) * mean_sd() : 0.0;
-  }
-  /// The sd that is exceeded all but once in a thousand times (normal approximation of the logarithm).
-  double least_sd() const {
-    return count() > 1 ? sd() * std::exp(-3.09 / std::sqrt(2.0 * (count() - 1.0))) : 0.0;
-  }
-};
-
 /// The line changed some time in the call that set it: the delay lies between those from its end and from its begin.
 struct Delay {
   double call_us = 0.0, from_end_us = 0.0;
@@ -92,25 +74,25 @@ Delays delays_of(std::vector<Delay> delays) {
   Delays found;
   found.count = static_cast<int>(delays.size());
   if (delays.size() < 2) return found;
-  Series from_end, from_start, mean, call;
+  Sample from_end, from_start, mean, call;
   for (const Delay& delay : delays) {
-    from_end.values.add(delay.from_end_us);
-    from_start.values.add(delay.from_end_us + delay.call_us);
+    from_end.add(delay.from_end_us);
+    from_start.add(delay.from_end_us + delay.call_us);
   }
   std::ranges::sort(delays, {}, &Delay::call_us);
   const double longest_us = 2.0 * delays.front().call_us + 1.0;
   for (const Delay& delay : delays) {
     if (mean.count() >= 10 && delay.call_us > longest_us) break;
-    mean.values.add(delay.from_end_us + 0.5 * delay.call_us);
-    call.values.add(delay.call_us);
+    mean.add(delay.from_end_us + 0.5 * delay.call_us);
+    call.add(delay.call_us);
   }
-  const Series& steadier = from_end.sd() < from_start.sd() ? from_end : from_start;
+  const Sample& steadier = from_end.sd() < from_start.sd() ? from_end : from_start;
   found.mean_us = mean.mean();
   found.half_width_us = 0.5 * call.mean();
   found.mean_sd_us = mean.mean_sd();
-  found.margin_us = mean.mean_margin();
+  found.margin_us = mean.mean_margin(kWithinByChance);
   found.jitter_us = steadier.sd();
-  found.least_jitter_us = steadier.least_sd();
+  found.least_jitter_us = steadier.sd_lower_bound(kOnceInAThousand);
   return found;
 }
 
@@ -220,15 +202,15 @@ StepResult with_numbers(StepResult result, const Names& names, const Tally& tall
   return result;
 }
 
-Series skew_of(const shot_t& shot) {
-  Series skew;
+Sample skew_of(const shot_t& shot) {
+  Sample skew;
   for (const flash_t& flash : shot.flashes)
     if (seen(flash, &flash_t::observed_a_ns) && seen(flash, &flash_t::observed_b_ns))
-      skew.values.add(delay_us(flash, &flash_t::observed_a_ns) - delay_us(flash, &flash_t::observed_b_ns));
+      skew.add(delay_us(flash, &flash_t::observed_a_ns) - delay_us(flash, &flash_t::observed_b_ns));
   return skew;
 }
 
-std::optional<StepResult> together_fault(const std::string& id, const shot_t& shot, const Series& skew,
+std::optional<StepResult> together_fault(const std::string& id, const shot_t& shot, const Sample& skew,
                                          const host::CommissionTable& limits) {
   for (const Lamps lamp : {Lamps::a, Lamps::b}) {
     const Names names = names_of(lamp, shot);
@@ -243,7 +225,7 @@ std::optional<StepResult> together_fault(const std::string& id, const shot_t& sh
                     fmt::format("{} edges too many in {} flashes of both lamps", tally.extra, tally.planned),
                     "one lamp's pulse fires the other one again: look for wires that run together");
   }
-  if (std::abs(skew.mean()) > limits.skew_limit_us + skew.mean_margin())
+  if (std::abs(skew.mean()) > limits.skew_limit_us + skew.mean_margin(kWithinByChance))
     return failed(id, "skew",
                   fmt::format("lamp A flashes {:.1f} us {} lamp B", std::abs(skew.mean()),
                               skew.mean() > 0 ? "after" : "before"),
@@ -280,7 +262,7 @@ StepResult judge_lamps_together(const std::string& id, const shot_t& shot,
   if (!shot.sensor_a_fitted || !shot.sensor_b_fitted)
     return skipped(id, fmt::format("the rig file names no sensor {}", shot.sensor_a_fitted ? 'B' : 'A'),
                    "without it nothing tells whether the lamps flash together: fit one");
-  const Series skew = skew_of(shot);
+  const Sample skew = skew_of(shot);
   StepResult result;
   if (auto fault = together_fault(id, shot, skew, limits)) {
     result = std::move(*fault);
