@@ -15,7 +15,8 @@ Sequencer::Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_
       outputs_(rig_, ports.clock, ports.outputs),
       player_(rig_, ports.clock, ports.edges, ports.sink, interlock_, outputs_, tick),
       awake_(rig.tolerance),
-      woken_(ports.clock.now()) {}
+      woken_(ports.clock.now()),
+      suspended_(ports.clock.suspended()) {}
 
 void Sequencer::report(EventKind kind, const ShortText& detail) noexcept {
   Event event;
@@ -27,7 +28,7 @@ void Sequencer::report(EventKind kind, const ShortText& detail) noexcept {
 }
 
 void Sequencer::refuse(const Command& command, std::string_view why) noexcept {
-  constexpr std::array<std::string_view, 6> kNames{"", "ARM", "FIRE", "DISARM", "RESEND", "CLEAR"};
+  constexpr std::array<std::string_view, 7> kNames{"", "ARM", "FIRE", "DISARM", "RESEND", "CLEAR", "RESET"};
   ShortText words(kNames[static_cast<std::size_t>(command.kind)]);
   report(EventKind::refused, words.append(": ").append(why));
 }
@@ -35,10 +36,21 @@ void Sequencer::refuse(const Command& command, std::string_view why) noexcept {
 bool Sequencer::start(const ShortText& detail) noexcept {
   const bool safe = outputs_.all_off();
   report(EventKind::started, detail);
+  start_interlock();
   read_levels();
   report_status();
   sink_.flush();
   return safe;
+}
+
+/// What is pressed or off now has to be reset by a person; what is well from the start has not.
+void Sequencer::start_interlock() noexcept {
+  const auto key = edges_.level(Input::key);
+  const auto estop = edges_.level(Input::estop);
+  interlock_.start(key.value_or(false), estop.value_or(true));
+  const MonoTime now = clock_.now();
+  if (!interlock_.estop_active()) report_level(Input::estop, false, now);
+  if (interlock_.key_active()) report_level(Input::key, true, now);
 }
 
 void Sequencer::apply(Interlock::Effect effect) noexcept {
@@ -63,24 +75,33 @@ void Sequencer::level(Input input, bool active, MonoTime stamp) noexcept {
   const bool is_key = input == Input::key;
   if ((is_key ? interlock_.key_active() : interlock_.estop_active()) == active) return;
   // First what makes safe, then what tells of it.
-  const Interlock::Effect effect = is_key ? interlock_.key(active) : interlock_.estop(active);
+  const MonoTime now = clock_.now();
+  apply(is_key ? interlock_.key(active, now) : interlock_.estop(active, now));
+  report_level(input, active, stamp);
+}
+
+void Sequencer::report_level(Input input, bool active, MonoTime stamp) noexcept {
   Event event;
-  event.kind = is_key ? EventKind::key : EventKind::estop;
-  event.line = is_key ? Line::key : Line::estop;
+  event.kind = input == Input::key ? EventKind::key : EventKind::estop;
+  event.line = input == Input::key ? Line::key : Line::estop;
   event.level = active ? 1 : 0;
   event.shot_id = player_.shot_id();
   event.device_time = stamp;
-  apply(effect);
   sink_.event(event);
 }
 
-void Sequencer::read_levels() noexcept {
+/// False, and a fault: one of them cannot be read.
+bool Sequencer::read_levels() noexcept {
   const auto key = edges_.level(Input::key);
   const auto estop = edges_.level(Input::estop);
   levels_read_ = clock_.now();
-  if (!key || !estop) return lines_fail("key or e-stop cannot be read");
+  if (!key || !estop) {
+    lines_fail("key or e-stop cannot be read");
+    return false;
+  }
   level(Input::estop, *estop, levels_read_);
   level(Input::key, *key, levels_read_);
+  return true;
 }
 
 /// Why the next shot could not be recorded; null if it could.
@@ -90,16 +111,47 @@ const char* Sequencer::unready() const noexcept {
   return nullptr;
 }
 
+namespace {
+
+/// Who asks, for a person.
+ShortText host_of(const Command& command) {
+  ShortText host;
+  host.append(command.host_id, 16);
+  if (!command.host_name.empty()) host.append(" ").append(command.host_name.view());
+  return host;
+}
+
+}  // namespace
+
 void Sequencer::arm(const Command& command) noexcept {
   if (const char* why = unready()) return refuse(command, why);
   read_levels();
   if (const char* why = interlock_.arm(command.host_id, command.new_token, clock_.now())) {
     return refuse(command, why);
   }
-  ShortText host;
-  host.append(command.host_id, 16);
-  if (!command.host_name.empty()) host.append(" ").append(command.host_name.view());
-  report(EventKind::armed, host);
+  report(EventKind::armed, host_of(command));
+}
+
+void Sequencer::disarm(const Command& command) noexcept {
+  const bool news = interlock_.stop_text()[0] == '\0';
+  const Interlock::Effect effect = interlock_.disarm(clock_.now());
+  if (effect.kind == Interlock::Effect::Kind::abort) return apply(effect);
+  // Also where nothing was armed: from now on nothing is, until a person acts.
+  if (news) report(EventKind::disarmed, ShortText("disarmed by command of ").append(host_of(command).view()));
+}
+
+void Sequencer::reset(const Command& command) noexcept {
+  if (!read_levels()) return refuse(command, "key or e-stop cannot be read");
+  const bool news = interlock_.stop_text()[0] != '\0' || !interlock_.admitted(command.host_id);
+  const MonoTime acted = from_ns((command.acted_boot_time - clock_.suspended()).count());
+  if (const char* why = interlock_.reset(command.host_id, acted, clock_.now())) return refuse(command, why);
+  if (news) report(EventKind::reset, host_of(command));
+}
+
+void Sequencer::clear(const Command& command) noexcept {
+  if (const char* why = interlock_.clear()) return refuse(command, why);
+  report(EventKind::cleared, "");
+  read_levels();  // latches anew if the cause is still there
 }
 
 void Sequencer::fire(const Command& command) noexcept {
@@ -122,20 +174,20 @@ void Sequencer::fire(const Command& command) noexcept {
 }
 
 void Sequencer::dispatch(const Command& command) noexcept {
-  if (!command.defect.empty()) return refuse(command, command.defect.view());
+  // Who has the lab's key may stop it, whatever else is wrong with the command.
+  const bool stops = command.kind == CommandKind::disarm;
+  if (!command.defect.empty() && !stops) return refuse(command, command.defect.view());
   switch (command.kind) {
     case CommandKind::arm:
       return arm(command);
     case CommandKind::fire:
       return fire(command);
     case CommandKind::disarm:
-      return apply(interlock_.disarm());
-    case CommandKind::clear: {
-      const char* why = interlock_.clear();
-      if (why != nullptr) return refuse(command, why);
-      report(EventKind::cleared, "");
-      return read_levels();  // latches anew if the cause is still there
-    }
+      return disarm(command);
+    case CommandKind::clear:
+      return clear(command);
+    case CommandKind::reset:
+      return reset(command);
     case CommandKind::resend:
       return refuse(command, "not for the loop");
   }
@@ -155,9 +207,23 @@ std::optional<std::size_t> Sequencer::wait(MonoTime latest) noexcept {
   return count;
 }
 
+/// What this clock does not show, or shows too late. turned: when the turn before came this far.
+void Sequencer::check_time(MonoTime turned) noexcept {
+  if (const Duration suspended = clock_.suspended(); suspended - suspended_ > ShotPlayer::kAsleep) {
+    suspended_ = suspended;
+    const Interlock::Effect effect = interlock_.suspended(clock_.now());
+    apply(effect);
+    if (effect.kind == Interlock::Effect::Kind::none)
+      report(EventKind::disarmed, "the machine was suspended");
+  }
+  if (woken_ - turned > kStoodStill) apply(interlock_.stood_still());
+}
+
 bool Sequencer::step(MonoTime latest) noexcept {
   sink_.flush();
+  const MonoTime turned = woken_;
   const auto count = wait(latest);
+  check_time(turned);
   if (!count) lines_fail("the inputs' edges cannot be read");
   for (std::size_t i = 0; i < count.value_or(0); ++i) {
     const Edge& edge = edge_buffer_[i];
@@ -203,6 +269,8 @@ void Sequencer::report_status() noexcept {
   status.last_shot_id = interlock_.shot_id();
   status.kernel_overflows = edges_.kernel_overflows();
   status.fault = interlock_.fault_text();
+  status.stop = interlock_.stop_text();
+  status.restart = interlock_.restart();
   if (reported_ == status) return;
   reported_ = status;
   sink_.status(status);

@@ -25,6 +25,8 @@ class Sequencer {
   static constexpr Duration kLongestSleep = milliseconds(50);
   /// Longest stretch awake in one turn.
   static constexpr Duration kLongestPoll = milliseconds(1);
+  /// A loop that did not turn for so long drops what is armed: who asked for it may have given up.
+  static constexpr Duration kStoodStill = milliseconds(500);
 
   /// last_shot_id: the highest number that any shot of the session folder had.
   /// tick: the kernel's timer tick, unknown: shots start at once.
@@ -46,11 +48,17 @@ class Sequencer {
 
  private:
   std::optional<std::size_t> wait(MonoTime latest) noexcept;
-  void read_levels() noexcept;
+  void start_interlock() noexcept;
+  bool read_levels() noexcept;
+  void check_time(MonoTime turned) noexcept;
   void level(Input input, bool active, MonoTime stamp) noexcept;
+  void report_level(Input input, bool active, MonoTime stamp) noexcept;
   void dispatch(const Command& command) noexcept;
   const char* unready() const noexcept;
   void arm(const Command& command) noexcept;
+  void disarm(const Command& command) noexcept;
+  void reset(const Command& command) noexcept;
+  void clear(const Command& command) noexcept;
   void fire(const Command& command) noexcept;
   void apply(Interlock::Effect effect) noexcept;
   void fault(const char* why) noexcept;
@@ -69,6 +77,7 @@ class Sequencer {
   ShotPlayer player_;
   CpuBudget awake_;
   MonoTime woken_;
+  Duration suspended_;
   std::array<Edge, 64> edge_buffer_;
   std::optional<LoopStatus> reported_;
   MonoTime levels_read_;

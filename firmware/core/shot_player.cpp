@@ -63,6 +63,7 @@ void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& re
   record.shutter_on = record.shutter_off = record.shutter_open = record.shutter_close = kNoTime;
   record.trigger = record.gate = kNoTime;
   record.abort_reason = ShortText();
+  suspended_before_ = clock_.suspended();
   overflows_before_ = sink_.overflows();
   kernel_overflows_before_ = edges_.kernel_overflows();
   build_schedule(record.plan, rig_, schedule_);
@@ -119,6 +120,8 @@ void ShotPlayer::issue_next(MonoTime due, MonoTime now) noexcept {
 }
 
 void ShotPlayer::issue(const PlannedPulse& pulse, MonoTime now) noexcept {
+  // After hours of sleep nothing is late by this clock.
+  if (clock_.suspended() - suspended_before_ > kAsleep) return abort("the machine was suspended");
   const Duration lateness = now - at(pulse.at);
   if (lateness > rig_.tolerance.abort_late) {
     ShortText why(pulse.output == Output::strobes   ? "flash "

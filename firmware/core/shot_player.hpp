@@ -19,6 +19,8 @@ class ShotPlayer {
   static constexpr Duration kLead = milliseconds(20);
   /// How long to wait for the sensors' last edges after the schedule's end.
   static constexpr Duration kEdgeTimeout = milliseconds(2);
+  /// Machines that suspend do so for longer.
+  static constexpr Duration kAsleep = milliseconds(1);
 
   ShotPlayer(const Rig& rig, Clock& clock, EdgeSource& edges, EventSink& sink, Interlock& interlock,
              GuardedOutputs& outputs, const Tick& tick);
@@ -77,6 +79,7 @@ class ShotPlayer {
   bool shutter_seen_open_ = false;
   bool shutter_seen_closed_ = false;
   MonoTime gate_counts_from_ = kNoTime;  ///< kNoTime: not triggered yet
+  Duration suspended_before_{};
   std::int64_t overflows_before_ = 0;
   std::int64_t kernel_overflows_before_ = 0;
 };

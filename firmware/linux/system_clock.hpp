@@ -9,15 +9,23 @@ namespace strobe::firmware {
 
 class SystemClock final : public Clock {
  public:
-  MonoTime now() noexcept override {
-    timespec t{};
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return from_ns(t.tv_sec * 1'000'000'000 + t.tv_nsec);
-  }
+  MonoTime now() noexcept override { return from_ns(read(CLOCK_MONOTONIC)); }
   MonoTime spin_until(MonoTime instant) noexcept override {
     MonoTime t = now();
     while (t < instant) t = now();
     return t;
+  }
+  /// CLOCK_BOOTTIME goes on in a suspended machine. It is read first: a preemption in between makes the sleep look shorter.
+  Duration suspended() noexcept override {
+    const std::int64_t boot_time = read(CLOCK_BOOTTIME);
+    return Duration{boot_time - read(CLOCK_MONOTONIC)};
+  }
+
+ private:
+  static std::int64_t read(clockid_t clock) noexcept {
+    timespec t{};
+    clock_gettime(clock, &t);
+    return t.tv_sec * 1'000'000'000 + t.tv_nsec;
   }
 };
 

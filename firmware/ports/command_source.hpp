@@ -8,7 +8,7 @@
 namespace strobe::firmware {
 
 /// Values are those of command_t.
-enum class CommandKind : std::int8_t { arm = 1, fire, disarm, resend, clear };
+enum class CommandKind : std::int8_t { arm = 1, fire, disarm, resend, clear, reset };
 
 struct Command {
   CommandKind kind = CommandKind::arm;
@@ -17,7 +17,8 @@ struct Command {
   std::int64_t token = 0;      ///< FIRE: the token it carries
   std::int64_t new_token = 0;  ///< ARM: drawn by the receiver; the host's token if it is armed
   ShotPlan plan;               ///< FIRE
-  ShortText host_name;         ///< ARM: who asks, for a person; may be empty
+  ShortText host_name;         ///< who asks, for a person; may be empty
+  Duration acted_boot_time{};  ///< RESET: CLOCK_BOOTTIME when a person asked for it
   ShortText defect;            ///< why it must be refused; empty if it is valid
 };
 

@@ -30,7 +30,8 @@ enum class EventKind : std::int8_t {
   fault,
   cleared,
   xsync,
-  repaired
+  repaired,
+  reset
 };
 enum class Line : std::int8_t {
   none = 0,
@@ -60,8 +61,9 @@ struct Event {
   ShortText detail;
 };
 
-/// Values are those of status_t. Spent: the last shot was fired or aborted; only another can be armed.
-enum class State : std::int8_t { idle = 0, armed, firing, fault, spent };
+/// Values are those of status_t. Spent: the last shot was fired or aborted; only another can be armed. Stopped: by key,
+/// e-stop, DISARM or sleep, until a person has it reset.
+enum class State : std::int8_t { idle = 0, armed, firing, fault, spent, stopped };
 
 /// The loop's state; reported at every change.
 struct LoopStatus {
@@ -73,7 +75,9 @@ struct LoopStatus {
   MonoTime arm_expires{};
   std::int32_t last_shot_id = 0;
   std::int64_t kernel_overflows = 0;
-  ShortText fault;  ///< the latched fault; empty: none
+  ShortText fault;     ///< the latched fault; empty: none
+  ShortText stop;      ///< the latched stop; empty: none
+  MonoTime restart{};  ///< nothing is armed before, as a stop was reset
 
   bool operator==(const LoopStatus&) const = default;
 };

@@ -10,6 +10,7 @@ static_assert(static_cast<int>(EventKind::started) == strobe_msgs::event_t::STAR
 static_assert(static_cast<int>(EventKind::flash) == strobe_msgs::event_t::FLASH);
 static_assert(static_cast<int>(EventKind::cleared) == strobe_msgs::event_t::CLEARED);
 static_assert(static_cast<int>(EventKind::repaired) == strobe_msgs::event_t::REPAIRED);
+static_assert(static_cast<int>(EventKind::reset) == strobe_msgs::event_t::RESET);
 static_assert(static_cast<int>(EventKind::xsync) == strobe_msgs::event_t::XSYNC);
 static_assert(static_cast<int>(Line::xsync) == strobe_msgs::event_t::LINE_XSYNC);
 static_assert(static_cast<int>(ShutterFeedback::late) == strobe_msgs::shot_t::FEEDBACK_LATE);

@@ -92,7 +92,8 @@ std::string find_age(const strobe_msgs::command_t& command, std::int64_t boot_ti
   if (sent_ns == 0 || sent_ns < -kNoClock_ns || sent_ns > kNoClock_ns)
     return "it does not say when it was sent";
   const std::int64_t age_ns = boot_time_ns - sent_ns;
-  if (age_ns > Type::LONGEST_LIFE_NS) {
+  // However long ago a person acted: what counts is that no stop came since, which the interlock knows.
+  if (age_ns > Type::LONGEST_LIFE_NS && command.kind != Type::RESET) {
     return "it came " + std::to_string(age_ns / kMillisecond_ns) + " ms after it was sent, and is good for " +
            std::to_string(Type::LONGEST_LIFE_NS / kMillisecond_ns) + " ms";
   }
@@ -132,7 +133,7 @@ void Receiver::open(std::span<const std::uint8_t> sealed) {
 
 void Receiver::dispatch(const strobe_msgs::command_t& message) {
   if (message.boot_id != boot_id_) return rejections_.note(Rejection::stale);
-  if (message.kind < strobe_msgs::command_t::ARM || message.kind > strobe_msgs::command_t::CLEAR)
+  if (message.kind < strobe_msgs::command_t::ARM || message.kind > strobe_msgs::command_t::RESET)
     return rejections_.note(Rejection::malformed);
   if (!filter_.is_new(message.host_id, message.command_id)) return rejections_.note(Rejection::replayed);
   std::string defect = find_defect(message, rig_);
@@ -149,10 +150,9 @@ void Receiver::dispatch(const strobe_msgs::command_t& message) {
   command.token = message.arm_token;
   command.plan = messages::plan_from_lcm(message.plan);
   command.defect = ShortText(defect);
-  if (command.kind == CommandKind::arm) {
-    command.new_token = draw_token_();
-    command.host_name = host_name_in(message);
-  }
+  command.host_name = host_name_in(message);
+  if (command.kind == CommandKind::arm) command.new_token = draw_token_();
+  if (command.kind == CommandKind::reset) command.acted_boot_time = Duration{message.sent_boot_time_ns};
   if (command.kind == CommandKind::fire && defect.empty()) {
     ShotNotes notes{message.host_id, message.command_id, {}};
     for (const auto& note : message.notes) notes.notes.push_back({note.key, note.value});

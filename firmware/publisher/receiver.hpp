@@ -54,7 +54,7 @@ class RepetitionFilter {
 std::string find_defect(const strobe_msgs::command_t& command, const Rig& rig);
 
 /// Why a command that arrives at this instant of CLOCK_BOOTTIME is too old to be obeyed; empty if it is not.
-/// A DISARM never is; a RESEND does no harm.
+/// A DISARM never is; a RESEND does no harm; a RESET is judged by when a person acted.
 std::string find_age(const strobe_msgs::command_t& command, std::int64_t boot_time_ns);
 
 /// A random positive number, from the kernel's generator.

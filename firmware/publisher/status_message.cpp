@@ -15,6 +15,7 @@ using strobe_msgs::status_t;
 static_assert(static_cast<int>(State::idle) == status_t::IDLE);
 static_assert(static_cast<int>(State::fault) == status_t::FAULT);
 static_assert(static_cast<int>(State::spent) == status_t::SPENT);
+static_assert(static_cast<int>(State::stopped) == status_t::STOPPED);
 static_assert(static_cast<int>(TimingQuantity::lateness) == histogram_t::LATENESS);
 static_assert(static_cast<int>(TimingQuantity::period_error) == histogram_t::PERIOD_ERROR);
 
@@ -37,6 +38,9 @@ std::string lacking(const StatusParts& parts) {
   if (!parts.journal_fault.empty()) return "the journal cannot be written: " + parts.journal_fault;
   if (loop.estop_active) return "the e-stop is pressed, or its wire is broken";
   if (!loop.key_active) return "the key is off, or its wire is broken";
+  if (!loop.stop.empty())
+    return "stopped (" + std::string(loop.stop.view()) + "): a person must give the command to fire anew";
+  if (parts.clocks.mono < loop.restart) return "a stop was reset just now: the rig can be armed in a moment";
   return "";
 }
 

@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -41,8 +42,14 @@ enum class In {
   key_on,
   estop_on,
   estop_off,
+  suspended,
+  stood_still,
   fault,
   clear,
+  reset,         ///< a person at kHost acts, after all stops
+  reset_other,   ///< likewise at another host
+  reset_before,  ///< the person acted at the instant of the last stop
+  delay_passes,  ///< since a stop was reset
   trigger,
   trigger_used,  ///< for the shot before
   aborted,
@@ -61,14 +68,19 @@ struct Judge {
   bool live = false;     ///< and is neither dry nor aborted nor was its trigger released
   bool spent = false;    ///< the last thing was a shot
   std::int32_t shot = 0;
+  bool stopped = true;              ///< and no person has acted since
+  std::set<std::int64_t> admitted;  ///< hosts of persons who have acted since the last stop
+  bool delayed = false;             ///< a stop was reset, and the delay is not over
+  MonoTime last_stop;
 
-  bool permitted() const { return key && !estop && !latched; }
+  bool permitted() const { return key && !estop && !latched && !stopped; }
   void withdraw() {
     host = 0;
     live = false;
   }
   State state() const {
     if (running) return State::firing;
+    if (stopped) return State::stopped;
     if (latched) return State::fault;
     if (host != 0) return State::armed;
     return spent ? State::spent : State::idle;
@@ -92,7 +104,7 @@ Complaint arm(Walk& walk, std::int64_t host, bool with_token) {
   const std::int64_t token = with_token ? walk.next_token++ : 0;
   const bool granted = walk.lock.arm(host, token, walk.now) == nullptr;
   const bool may = judge.permitted() && !judge.running && host != 0 && token != 0 &&
-                   (judge.host == 0 || judge.host == host);
+                   (judge.host == 0 || judge.host == host) && judge.admitted.contains(host) && !judge.delayed;
   if (granted && may) {
     judge.old_token = judge.token;
     judge.token = token;
@@ -121,6 +133,30 @@ Complaint withdrawn(Walk& walk, Interlock::Effect effect) {
   const Kind due = judge.running ? Kind::abort : judge.host != 0 ? Kind::disarmed : Kind::none;
   judge.withdraw();
   return expect(effect.kind == due, "an arming or a shot was not withdrawn at once, or none was there");
+}
+
+/// Whatever it is, later than all before.
+MonoTime next_instant(Walk& walk) { return walk.now = walk.now + nanoseconds(1); }
+
+Complaint stopped(Walk& walk, Interlock::Effect effect) {
+  walk.judge.stopped = true;
+  walk.judge.admitted.clear();
+  walk.judge.last_stop = walk.now;
+  return withdrawn(walk, effect);
+}
+
+Complaint reset(Walk& walk, std::int64_t host, bool after) {
+  Judge& judge = walk.judge;
+  const MonoTime acted = after ? next_instant(walk) : judge.last_stop;
+  const bool granted = walk.lock.reset(host, acted, walk.now) == nullptr;
+  const bool may = judge.key && !judge.estop && after && !judge.running;
+  if (may && judge.stopped) {
+    judge.spent = judge.stopped = false;
+    judge.delayed = true;
+  }
+  if (may) judge.admitted.insert(host);
+  return expect(granted == may,
+                granted ? "A STOP WAS RESET WITHOUT RIGHT" : "a reset of good right was refused");
 }
 
 Complaint release(Walk& walk, std::int32_t shot) {
@@ -162,10 +198,11 @@ Complaint put_in(Walk& walk, In input) {
     case In::fire_used:
       return fire(walk, holder, judge.token, judge.shot, false);
     case In::disarm:
-      return withdrawn(walk, walk.lock.disarm());
+      return stopped(walk, walk.lock.disarm(next_instant(walk)));
     case In::time_passes:
       walk.now = walk.now + kExpires;
       judge.expired = judge.host != 0;
+      judge.delayed = false;
       return {};
     case In::tick: {
       const Interlock::Effect effect = walk.lock.tick(walk.now);
@@ -173,17 +210,29 @@ Complaint put_in(Walk& walk, In input) {
       return withdrawn(walk, effect);
     }
     case In::key_off:
-      judge.key = false;
-      return withdrawn(walk, walk.lock.key(false));
     case In::key_on:
-      judge.key = true;
-      return none(walk.lock.key(true));
+      judge.key = input == In::key_on;
+      return stopped(walk, walk.lock.key(judge.key, next_instant(walk)));
     case In::estop_on:
-      judge.estop = true;
-      return withdrawn(walk, walk.lock.estop(true));
     case In::estop_off:
-      judge.estop = false;
-      return none(walk.lock.estop(false));
+      judge.estop = input == In::estop_on;
+      return stopped(walk, walk.lock.estop(judge.estop, next_instant(walk)));
+    case In::suspended:
+      return stopped(walk, walk.lock.suspended(next_instant(walk)));
+    case In::stood_still: {
+      const Interlock::Effect effect = walk.lock.stood_still();
+      return judge.host == 0 ? none(effect) : withdrawn(walk, effect);
+    }
+    case In::reset:
+      return reset(walk, kHost, true);
+    case In::reset_other:
+      return reset(walk, kOther, true);
+    case In::reset_before:
+      return reset(walk, kHost, false);
+    case In::delay_passes:
+      walk.now = walk.now + Interlock::kRestartDelay;
+      judge.delayed = false;
+      return {};
     case In::fault:
       judge.latched = true;
       return withdrawn(walk, walk.lock.fault("broken"));
@@ -222,10 +271,11 @@ Complaint inspect(const Walk& walk) {
   if (judge.host != 0 && lock.arm_token() != judge.token) return "another token than the last";
   if (judge.host == 0 && lock.arm_token() != 0) return "a token without a host";
   if (lock.shot_id() != judge.shot) return "another number of the last shot";
+  if ((lock.stop_text()[0] != '\0') != judge.stopped) return "a stop was forgotten, or made up";
   // Whatever comes next, a stop takes effect in one call.
   for (const bool by_key : {true, false}) {
     Interlock stopped = lock;
-    by_key ? stopped.key(false) : stopped.estop(true);
+    by_key ? stopped.key(false, walk.now) : stopped.estop(true, walk.now);
     if (stopped.release_trigger(stopped.shot_id())) return "THE TRIGGER WAS RELEASED AFTER A STOP";
     if (stopped.state() == State::armed) return "armed after a stop";
   }
@@ -233,7 +283,8 @@ Complaint inspect(const Walk& walk) {
 }
 
 /// All that future answers depend on: times and numbers only as far as they are compared.
-using Key = std::tuple<int, bool, bool, bool, bool, std::int64_t, bool, bool, bool, bool, bool, bool>;
+using Key = std::tuple<int, bool, bool, bool, bool, std::int64_t, bool, bool, bool, bool, bool, bool, bool,
+                       bool, bool, bool>;
 Key key_of(const Walk& walk) {
   const Interlock& lock = walk.lock;
   const Judge& judge = walk.judge;
@@ -248,7 +299,11 @@ Key key_of(const Walk& walk) {
           judge.token != judge.old_token && judge.old_token != 0,
           judge.live,
           judge.spent,
-          judge.shot > 0};
+          judge.shot > 0,
+          judge.stopped,
+          judge.admitted.contains(kHost),
+          judge.admitted.contains(kOther),
+          walk.now >= lock.restart()};
 }
 
 struct Found {
@@ -335,7 +390,7 @@ struct Mutants {
 bool is_asked(std::size_t input) {
   const auto which = static_cast<InterlockEvent>(input);
   return which == InterlockEvent::arm || which == InterlockEvent::fire || which == InterlockEvent::clear ||
-         which == InterlockEvent::trigger;
+         which == InterlockEvent::reset || which == InterlockEvent::trigger;
 }
 
 bool notices_without(InterlockEvent input, std::uint32_t guards) {
@@ -351,11 +406,12 @@ TEST_GROUP(InterlockSpace){};
 TEST(InterlockSpace, KeepsEveryRuleInEveryStateThatCanBeReached) {
   const Found found = search(kTransitionTable);
   std::printf(
-      "interlock: %zu states (idle %zu, armed %zu, firing %zu, fault %zu, spent %zu), %zu transitions, "
+      "interlock: %zu states (idle %zu, armed %zu, firing %zu, fault %zu, spent %zu, stopped %zu), %zu "
+      "transitions, "
       "closed "
       "at depth %zu\n",
       found.states, found.of_state[0], found.of_state[1], found.of_state[2], found.of_state[3],
-      found.of_state[4], found.transitions, found.depth);
+      found.of_state[4], found.of_state[5], found.transitions, found.depth);
   CHECK_EQUAL("", found.complaint);
   CHECK(found.released > 0);  // the rules are not kept by never firing at all
   for (const std::size_t states : found.of_state) CHECK(states > 0);
@@ -365,14 +421,17 @@ TEST(InterlockSpace, KeepsThemInEverySequenceOfFourInputsToo) {
   Walk walk{Interlock{kExpires}, {}};
   put_in(walk, In::key_on);
   put_in(walk, In::estop_off);
+  put_in(walk, In::reset);
+  put_in(walk, In::delay_passes);
   std::size_t sequences = 0;
   CHECK_EQUAL("", try_all(walk, 4, sequences).value_or(""));
-  CHECK_EQUAL(1u + 23 + 23 * 23 + 23 * 23 * 23 + 23 * 23 * 23 * 23, sequences);
+  constexpr std::size_t n = kInputs;
+  CHECK_EQUAL(1 + n + n * n + n * n * n + n * n * n * n, sequences);
 }
 
 // The judge knows the one right transition for every input, and the state after it: a table that it takes for
-// good cannot be told from the shipped one by any sequence of inputs. Such are, of the cells' 204 wrong next
-// states and 110 wrong answers, those that another barrier makes harmless: a latched fault keeps its state
+// good cannot be told from the shipped one by any sequence of inputs. Such are, of the cells' 360 wrong next
+// states and 150 wrong answers, those that another barrier makes harmless: a latched stop or fault keeps its state
 // whatever the cell says; expiry is put in only while armed; the trigger is asked for only in `firing`, where
 // alone there is one left; CLEAR with nothing latched, where only its kind matters.
 TEST(InterlockSpace, WouldNoticeAWrongCellOfTheTable) {
@@ -398,18 +457,22 @@ TEST(InterlockSpace, WouldNoticeAWrongCellOfTheTable) {
   }
   std::printf("interlock's cells: %d of %d wrong states and %d of %d wrong answers noticed\n", states.noticed,
               states.made, answers.noticed, answers.made);
-  CHECK_EQUAL(166, states.noticed);
-  CHECK_EQUAL(75, answers.noticed);
+  CHECK_EQUAL(231, states.noticed);
+  CHECK_EQUAL(113, answers.noticed);
 }
 
 TEST(InterlockSpace, WouldNoticeAMissingGuard) {
-  for (const std::uint32_t needed : {guard::estop_off, guard::key_on, guard::named_host, guard::own_arming})
+  for (const std::uint32_t needed :
+       {guard::named_host, guard::own_arming, guard::reset_by_host, guard::restart_delay})
     CHECK_TRUE(notices_without(InterlockEvent::arm, needed));
+  for (const std::uint32_t needed : {guard::estop_off, guard::key_on, guard::after_stops})
+    CHECK_TRUE(notices_without(InterlockEvent::reset, needed));
   for (const std::uint32_t needed : {guard::in_time, guard::token, guard::new_shot})
     CHECK_TRUE(notices_without(InterlockEvent::fire, needed));
   for (const std::uint32_t needed : {guard::this_shot, guard::trigger_pending})
     CHECK_TRUE(notices_without(InterlockEvent::trigger, needed));
   // A stop has already ended the arming, or cancelled the trigger: the second barrier behind the first.
+  CHECK_FALSE(notices_without(InterlockEvent::arm, guard::permission));
   CHECK_FALSE(notices_without(InterlockEvent::fire, guard::permission));
   CHECK_FALSE(notices_without(InterlockEvent::trigger, guard::permission));
 }
@@ -417,7 +480,7 @@ TEST(InterlockSpace, WouldNoticeAMissingGuard) {
 TEST(InterlockSpace, WouldNoticeAMissingAction) {
   Mutants mutants;
   for (std::size_t input = 0; input < kInterlockEventCount; ++input) {
-    for (std::uint32_t bit = action::take_token; bit <= action::unlatch_fault; bit <<= 1) {
+    for (std::uint32_t bit = action::take_token; bit <= action::unlatch_stop; bit <<= 1) {
       TransitionTable table = kTransitionTable;
       if ((table[input].actions & bit) == 0) continue;
       table[input].actions &= ~bit;
@@ -425,14 +488,15 @@ TEST(InterlockSpace, WouldNoticeAMissingAction) {
     }
   }
   // All but one: the trigger of a shot that is over is cancelled twice, by the state as well.
-  CHECK_EQUAL(8, mutants.made);
-  CHECK_EQUAL(7, mutants.noticed);
+  CHECK_EQUAL(15, mutants.made);
+  CHECK_EQUAL(14, mutants.noticed);
 }
 
 TEST(InterlockSpace, WithholdsTheTriggerByASecondBarrierIfStopsWereForgotten) {
   TransitionTable deaf = kTransitionTable;
   for (const InterlockEvent input :
-       {InterlockEvent::key_off, InterlockEvent::estop_on, InterlockEvent::fault})
+       {InterlockEvent::key_off, InterlockEvent::key_on, InterlockEvent::estop_on, InterlockEvent::estop_off,
+        InterlockEvent::disarm, InterlockEvent::suspended, InterlockEvent::fault})
     for (Transition& cell : deaf[static_cast<std::size_t>(input)].in) cell.kind = TransitionKind::none;
   CHECK_TRUE(search(deaf).complaint.find("withdrawn") != std::string::npos);
   // With every other complaint put aside, none is of the trigger: it asks for the permission itself.

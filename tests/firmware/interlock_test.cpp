@@ -18,9 +18,10 @@ constexpr std::int32_t kShot = 1;
 
 TEST_GROUP(Interlock) {
   Interlock lock{kExpires};
-  void setup() override {
-    lock.key(true);
-    lock.estop(false);
+  void setup() override { lock.start(true, false); }
+  /// After the stops at kNow: a person acts, and the delay passes.
+  void reset(std::int64_t host = kHost) {
+    POINTERS_EQUAL(nullptr, lock.reset(host, kNow + nanoseconds(1), kNow - Interlock::kRestartDelay));
   }
   void arm() { POINTERS_EQUAL(nullptr, lock.arm(kHost, kToken, kNow)); }
   void fire() {
@@ -31,6 +32,7 @@ TEST_GROUP(Interlock) {
     if (state == State::armed) arm();
     if (state == State::firing) fire();
     if (state == State::fault) lock.fault("broken");
+    if (state == State::stopped) lock.disarm(kNow);
     if (state == State::spent) {
       fire();
       lock.shot_over();
@@ -39,23 +41,110 @@ TEST_GROUP(Interlock) {
   }
 };
 
-TEST(Interlock, StartsIdleAndUnsafe) {
+TEST(Interlock, StartsStoppedAndUnsafe) {
   Interlock fresh{kExpires};
-  CHECK_EQUAL(State::idle, fresh.state());
+  CHECK_EQUAL(State::stopped, fresh.state());
   STRCMP_EQUAL("the e-stop is pressed", fresh.arm(kHost, kToken, kNow));
 }
 
 TEST(Interlock, ArmsOnlyWithTheKeyOnAndTheEStopReleased) {
-  lock.key(false);
+  lock.key(false, kNow);
   STRCMP_EQUAL("the key is off", lock.arm(kHost, kToken, kNow));
-  lock.key(true);
-  lock.estop(true);
+  lock.key(true, kNow);
+  lock.estop(true, kNow);
   STRCMP_EQUAL("the e-stop is pressed", lock.arm(kHost, kToken, kNow));
-  lock.estop(false);
+  lock.estop(false, kNow);
+  reset();
   arm();
   CHECK_EQUAL(kHost, lock.arm_host());
   CHECK_EQUAL(kToken, lock.arm_token());
   CHECK_EQUAL(kNow + kExpires, lock.arm_expires());
+}
+
+TEST(Interlock, ArmsNothingAfterAStopThatNobodyHasReset) {
+  const auto refused = [this] {
+    STRCMP_EQUAL("a stop has not been reset by a person", lock.arm(kHost, kToken, kNow));
+    CHECK_EQUAL(State::stopped, lock.state());
+  };
+  lock.key(false, kNow);
+  lock.key(true, kNow);
+  refused();
+  reset();
+  lock.estop(true, kNow);
+  lock.estop(false, kNow);
+  refused();
+  reset();
+  lock.disarm(kNow);
+  refused();
+  reset();
+  lock.suspended(kNow);
+  refused();
+}
+
+TEST(Interlock, ResetsNothingThatCameAfterThePersonActed) {
+  const char* refusal = "a stop, or a switch's return, came after it was asked for: ask anew";
+  lock.estop(true, kNow);
+  lock.estop(false, kNow + milliseconds(5));
+  STRCMP_EQUAL(refusal, lock.reset(kHost, kNow + milliseconds(5), kNow + milliseconds(6)));
+  POINTERS_EQUAL(nullptr, lock.reset(kHost, kNow + milliseconds(5) + nanoseconds(1), kNow + milliseconds(6)));
+}
+
+TEST(Interlock, ResetsNothingWhileASwitchIsInTheWay) {
+  const MonoTime later = kNow + milliseconds(1);
+  lock.estop(true, kNow);
+  STRCMP_EQUAL("the e-stop is pressed", lock.reset(kHost, later, later));
+  lock.estop(false, kNow);
+  lock.key(false, kNow);
+  STRCMP_EQUAL("the key is off", lock.reset(kHost, later, later));
+}
+
+TEST(Interlock, ArmsNoSoonerThanTheRestartDelayAfterAReset) {
+  const MonoTime later = kNow + milliseconds(1), due = later + Interlock::kRestartDelay;
+  lock.disarm(kNow);
+  POINTERS_EQUAL(nullptr, lock.reset(kHost, later, later));
+  STRCMP_EQUAL("a stop was reset just now", lock.arm(kHost, kToken, due - nanoseconds(1)));
+  POINTERS_EQUAL(nullptr, lock.arm(kHost, kToken, due));
+}
+
+TEST(Interlock, ArmsForNoHostWhosePersonHasNotActedSinceTheStop) {
+  lock.disarm(kNow);
+  reset(kOther);
+  STRCMP_EQUAL("a stop has not been reset by a person at this host", lock.arm(kHost, kToken, kNow));
+  reset(kHost);
+  arm();
+}
+
+TEST(Interlock, ForgetsTheHostThatActedLongestAgo) {
+  lock.disarm(kNow);
+  for (std::int64_t host = 1; host <= 17; ++host) reset(host);
+  CHECK_FALSE(lock.admitted(1));
+  CHECK(lock.admitted(2));
+  CHECK(lock.admitted(17));
+}
+
+TEST(Interlock, ShowsAStopEvenWhereAFaultIsLatchedToo) {
+  lock.fault("broken");
+  lock.disarm(kNow);
+  CHECK_EQUAL(State::stopped, lock.state());
+  reset();
+  CHECK_EQUAL(State::fault, lock.state());
+}
+
+TEST(Interlock, DropsWhatIsArmedWhenTheLoopStoodStillAndNeedsNoReset) {
+  arm();
+  CHECK_EQUAL(Kind::disarmed, lock.stood_still().kind);
+  arm();
+}
+
+TEST(Interlock, StartsStoppedWithTheKeyOffOrTheEStopPressed) {
+  for (const auto& [key, estop] : {std::pair{false, false}, std::pair{true, true}}) {
+    Interlock fresh{kExpires};
+    fresh.start(key, estop);
+    CHECK_EQUAL(State::stopped, fresh.state());
+    fresh.key(true, kNow);
+    fresh.estop(false, kNow);
+    STRCMP_EQUAL("a stop has not been reset by a person", fresh.arm(kHost, kToken, kNow));
+  }
 }
 
 TEST(Interlock, FiresOnceForAToken) {
@@ -165,9 +254,9 @@ TEST(Interlock, GoesToFaultOnlyOnceAnAbortedShotIsOver) {
 
 namespace {
 
-constexpr std::array kInputNames{"arm",     "fire",      "disarm",     "expiry", "key off",
-                                 "key on",  "e-stop on", "e-stop off", "fault",  "clear",
-                                 "trigger", "aborted",   "shot over"};
+constexpr std::array kInputNames{"arm",    "fire",      "disarm",     "expiry",  "key off",
+                                 "key on", "e-stop on", "e-stop off", "sleep",   "fault",
+                                 "clear",  "reset",     "trigger",    "aborted", "shot over"};
 static_assert(kInputNames.size() == kInterlockEventCount);
 
 struct Outcome {
@@ -195,18 +284,24 @@ Outcome given(Interlock lock, InterlockEvent input) {
       kind = kind_of(lock.fire(kHost, kToken, kShot + 1, false, kNow));
       break;
     case InterlockEvent::disarm:
-      kind = kind_of(lock.disarm());
+      kind = kind_of(lock.disarm(kNow));
       break;
     case InterlockEvent::expiry:
       kind = kind_of(lock.tick(kNow + kExpires));
       break;
     case InterlockEvent::key_off:
     case InterlockEvent::key_on:
-      kind = kind_of(lock.key(input == InterlockEvent::key_on));
+      kind = kind_of(lock.key(input == InterlockEvent::key_on, kNow));
       break;
     case InterlockEvent::estop_on:
     case InterlockEvent::estop_off:
-      kind = kind_of(lock.estop(input == InterlockEvent::estop_on));
+      kind = kind_of(lock.estop(input == InterlockEvent::estop_on, kNow));
+      break;
+    case InterlockEvent::suspended:
+      kind = kind_of(lock.suspended(kNow));
+      break;
+    case InterlockEvent::reset:
+      kind = kind_of(lock.reset(kHost, kNow + nanoseconds(1), kNow));
       break;
     case InterlockEvent::fault:
       kind = kind_of(lock.fault("broken"));
@@ -235,6 +330,10 @@ TEST(Interlock, HandlesEveryEventInEveryStateAsItsTableSays) {
       lock = Interlock{kExpires};
       setup();
       put_in(static_cast<State>(state));
+      // A fault that is latched beside the stop is what CLEAR is for.
+      if (static_cast<State>(state) == State::stopped &&
+          static_cast<InterlockEvent>(input) == InterlockEvent::clear)
+        lock.fault("broken");
       const Outcome seen = given(lock, static_cast<InterlockEvent>(input));
       const Transition& cell = kTransitionTable[input].in[state];
       const std::string place = std::string(kInputNames[input]) + " in state " + std::to_string(state);

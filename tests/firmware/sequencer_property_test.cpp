@@ -19,6 +19,7 @@ enum class Action {
   fire_dry,
   disarm,
   clear,
+  reset,
   key,
   estop,
   gate,
@@ -40,6 +41,7 @@ rc::Gen<Step> any_step() {
                                      Action::clear, Action::key, Action::estop, Action::gate, Action::sensor);
   const auto action = rc::gen::weightedOneOf<Action>({{6, rc::gen::just(Action::arm)},
                                                       {6, rc::gen::just(Action::fire)},
+                                                      {3, rc::gen::just(Action::reset)},
                                                       {2, rc::gen::just(Action::freeze)},
                                                       {9, rare}});
   return rc::gen::build<Step>(rc::gen::set(&Step::action, action),
@@ -58,6 +60,7 @@ struct Run {
   SequencerFixture bench;
   std::vector<Driven> driven;
   std::vector<std::pair<MonoTime, Duration>> freezes;
+  std::vector<MonoTime> stops, acts;
   std::int64_t stale_token = 1;
 
   void run_until(MonoTime end) {
@@ -94,16 +97,23 @@ struct Run {
         fire(token, true);
         break;
       case Action::disarm:
+        stops.push_back(rig.time);
         bench.give(bench.plain_command(CommandKind::disarm));
         break;
       case Action::clear:
         bench.give(bench.plain_command(CommandKind::clear));
+        break;
+      case Action::reset:
+        acts.push_back(rig.time);
+        bench.give(bench.reset_command());
         break;
       case Action::key:
       case Action::estop: {
         const Input input = step.action == Action::key ? Input::key : Input::estop;
         drive(input, input == Input::estop, rig.time);
         drive(input, input == Input::key, rig.time + step.span);
+        stops.push_back(rig.time);
+        stops.push_back(rig.time + step.span);
         break;
       }
       case Action::gate:
@@ -123,6 +133,15 @@ struct Run {
     for (const Driven& change : driven)
       if (change.input == input && change.time <= when) level = change.active;
     return level;
+  }
+  /// Whether a person has acted since the last stop, and the delay is over.
+  bool acted_since_stops(MonoTime when) const {
+    MonoTime stopped = kNoTime;
+    for (const MonoTime stop : stops)
+      if (stop < when - microseconds(2)) stopped = std::max(stopped, stop);
+    return !known(stopped) || std::any_of(acts.begin(), acts.end(), [&](MonoTime act) {
+      return act >= stopped && act + Interlock::kRestartDelay <= when;
+    });
   }
   Duration frozen_between(MonoTime from, MonoTime to) const {
     Duration sum{};
@@ -162,6 +181,7 @@ void check(const Run& run) {
     // A microsecond: from reading the lines to the call that sets the trigger. A freeze may fall just there.
     const MonoTime read = trigger - microseconds(1) - run.frozen_between(trigger - microseconds(1), trigger);
     RC_ASSERT(run.level_at(Input::key, true, trigger) || run.level_at(Input::key, true, read));
+    RC_ASSERT(run.acted_since_stops(read));
     RC_ASSERT(!run.level_at(Input::estop, false, trigger) || !run.level_at(Input::estop, false, read));
   }
   const auto flashes = rig.instants(Output::strobes);
@@ -185,7 +205,7 @@ TEST(SequencerProperty, HoldsTheRigsLimitsWhateverHappens) {
     Rig config = shipped_rig();
     config.plan.exposure = milliseconds(120);
     config.plan.impact_at = milliseconds(60);
-    Run run{SequencerFixture(config), {}, {}, 1};
+    Run run{SequencerFixture(config), {}, {}, {}, {}, 1};
     for (const Step& step : steps) run.perform(step);
     run.run_until(run.bench.rig.time + milliseconds(1500));
     check(run);

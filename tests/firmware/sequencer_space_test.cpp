@@ -33,7 +33,10 @@ enum class In {
   key_on,
   estop_on,
   estop_off,
-  inputs_fail,  ///< key and e-stop cannot be read
+  suspend,
+  reset,         ///< a person acts now
+  reset_before,  ///< a person acted just before the last stop
+  inputs_fail,   ///< key and e-stop cannot be read
   inputs_work,
   set_fails,   ///< the next switching on
   to_trigger,  ///< time: until just after the machine's pulse begins
@@ -41,6 +44,7 @@ enum class In {
   to_spin,     ///< until less than a spin before the next flash
   to_end,      ///< until the shot is over
   to_expiry,
+  to_restart,  ///< until the delay after a reset is over
   count
 };
 constexpr int kInputs = static_cast<int>(In::count);
@@ -81,7 +85,16 @@ class History {
       case In::fire_by_stranger:
         return fire(holder() == kStranger ? kHost : kStranger, token(), false);
       case In::disarm:
+        stop();
         return bench_.give(bench_.plain_command(CommandKind::disarm));
+      case In::suspend:
+        stop();
+        rig.asleep = rig.asleep + milliseconds(1'000);
+        return run_for(microseconds(1));
+      case In::reset:
+        return reset(Duration{to_ns(rig.time)} + rig.asleep);
+      case In::reset_before:
+        return reset(last_stop_);
       case In::clear:
         if (bench_.rig.levels_readable && bench_.sequencer.state() != State::firing) faulted_ = false;
         return bench_.give(bench_.plain_command(CommandKind::clear));
@@ -114,14 +127,16 @@ class History {
         return bench_.play();
       case In::to_expiry:
         return run_for(bench_.config.arming_expires + Sequencer::kLongestSleep);
+      case In::to_restart:
+        return run_for(Interlock::kRestartDelay);
       case In::count:
         break;
     }
   }
 
   /// What future answers depend on, and what the observer knows.
-  using Key =
-      std::tuple<int, bool, bool, bool, bool, std::int64_t, bool, bool, bool, bool, bool, bool, bool, bool>;
+  using Key = std::tuple<int, bool, bool, bool, bool, std::int64_t, bool, bool, bool, bool, bool, bool, bool,
+                         bool, bool, bool, bool>;
   Key key() const {
     const LoopStatus& status = bench_.rig.statuses.back();
     const bool firing = bench_.sequencer.state() == State::firing;
@@ -138,7 +153,10 @@ class History {
             firing && bench_.rig.instants(Output::strobes).size() > flashes_at_fire_,
             bench_.rig.level_of(Output::shutter),
             bench_.rig.time < status.arm_expires,
-            used_token_ != 0};
+            used_token_ != 0,
+            stopped_,
+            stops_.empty(),
+            bench_.rig.time < status.restart};
   }
 
   /// "" or what went against the rules, once everything has come to rest.
@@ -179,7 +197,7 @@ class History {
   std::size_t aborts() const { return bench_.rig.count(EventKind::shot_aborted); }
   bool permitted() const {
     return bench_.rig.key && !bench_.rig.estop && bench_.rig.levels_readable &&
-           bench_.rig.statuses.back().fault.empty() && !faulted_;
+           bench_.rig.statuses.back().fault.empty() && !faulted_ && !stopped_;
   }
 
   void arm(std::int64_t host) {
@@ -215,8 +233,25 @@ class History {
     if (input == Input::estop && active) presses_.push_back({rig.time, kNoDeadline});
     if (input == Input::estop && !active && !presses_.empty()) presses_.back().released = rig.time;
     if (input == Input::key) keys_.push_back({rig.time, active});
+    stop();
     rig.schedule({input, rig.time, active});
     bench_.step();
+  }
+  void stop() {
+    stopped_ = true;
+    stops_.push_back(bench_.rig.time);
+    last_stop_ = Duration{to_ns(bench_.rig.time)} + bench_.rig.asleep;
+  }
+  void reset(Duration acted) {
+    Command command = bench_.reset_command();
+    command.acted_boot_time = acted;
+    const bool right = bench_.rig.key && !bench_.rig.estop && bench_.rig.levels_readable &&
+                       acted > last_stop_ && bench_.sequencer.state() != State::firing;
+    if (right) {
+      if (stopped_) resets_.push_back(bench_.rig.time);
+      stopped_ = false;
+    }
+    bench_.give(command);
   }
   void run_for(Duration time) {
     const MonoTime end = bench_.rig.time + time;
@@ -253,11 +288,22 @@ class History {
       for (const Granted& grant : granted_)
         if (grant.from <= trigger) last = &grant;
       if (last == nullptr || !last->live) return "; A TRIGGER WITHOUT A SHOT";
+      if (!allowed_by_stops(trigger)) return "; A TRIGGER AFTER A STOP THAT NOBODY HAS RESET";
       if (!key_on_at(trigger)) return "; A TRIGGER WITH THE KEY OFF";
       for (const Press& press : presses_)
         if (trigger > press.pressed && trigger < press.released) return "; A TRIGGER WITH THE E-STOP PRESSED";
     }
     return "";
+  }
+  /// Between a stop and a trigger there is a person's act, and the delay after it.
+  bool allowed_by_stops(MonoTime trigger) const {
+    MonoTime stopped = kNoTime, reset = kNoTime;
+    for (const MonoTime stop : stops_)
+      if (stop < trigger) stopped = stop;
+    if (!known(stopped)) return true;
+    for (const MonoTime done : resets_)
+      if (done < trigger) reset = done;
+    return known(reset) && reset >= stopped && trigger - reset >= Interlock::kRestartDelay;
   }
   std::string on_times() const {
     std::string wrong;
@@ -281,6 +327,9 @@ class History {
   std::set<std::int32_t> shot_ids_;
   std::size_t triggers_at_fire_ = 0, flashes_at_fire_ = 0, aborts_at_fire_ = 0;
   bool last_dry_ = false;
+  bool stopped_ = false;  ///< and no person has acted since
+  std::vector<MonoTime> stops_, resets_;
+  Duration last_stop_{};
   bool faulted_ = false;  ///< the inputs failed, and nobody has cleared that since they work again
   std::string withheld_;
 };

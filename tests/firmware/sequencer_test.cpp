@@ -285,6 +285,8 @@ TEST(Sequencer, ReadsTheLevelsBeforeItArmsOrFiresInCaseAnEdgeWasLost) {
   CHECK_EQUAL(0u, rig.count(EventKind::shot_started));
   CHECK_EQUAL("FIRE: the key is off", refusal());
   rig.key = true;
+  for (int turn = 0; turn < 3; ++turn) bench.step();
+  bench.reset();
   bench.arm();
   rig.estop = true;
   bench.give(bench.arm_command());
@@ -298,6 +300,7 @@ TEST(Sequencer, LeavesNothingOfAnEarlierShotInItsRecord) {
   while (rig.time < start + milliseconds(300)) bench.step();
   bench.give(bench.plain_command(CommandKind::disarm));
   bench.play();
+  bench.reset();
   CHECK(known(bench.shot().trigger) && known(bench.shot().gate) && known(bench.shot().shutter_off));
   CHECK_FALSE(bench.shot().abort_reason.empty());
   bench.fire(true);
@@ -335,8 +338,93 @@ TEST(Sequencer, NoticesAKeyWhoseEdgeWasLost) {
   bench.arm();
   rig.key = false;  // without an edge
   for (int turn = 0; turn < 3; ++turn) bench.step();
-  CHECK_EQUAL(State::idle, bench.sequencer.state());
+  CHECK_EQUAL(State::stopped, bench.sequencer.state());
   CHECK_EQUAL(1u, rig.count(EventKind::disarmed));
+}
+
+TEST(Sequencer, ArmsAfterAnEStopOnlyOnceAPersonHasResetIt) {
+  rig.schedule({Input::estop, rig.time + milliseconds(1), true});
+  rig.schedule({Input::estop, rig.time + milliseconds(90), false});
+  const Command early = bench.reset_command();  // given before the e-stop was released
+  for (int turn = 0; turn < 5; ++turn) bench.step();
+  bench.give(bench.arm_command());
+  CHECK_EQUAL("ARM: a stop has not been reset by a person", refusal());
+  bench.give(early);
+  CHECK_EQUAL("RESET: a stop, or a switch's return, came after it was asked for: ask anew",
+              std::string(rig.find(EventKind::refused, 1)->detail.view()));
+  bench.give(bench.reset_command());
+  CHECK_EQUAL(1u, rig.count(EventKind::reset));
+  bench.give(bench.arm_command());
+  CHECK_EQUAL("ARM: a stop was reset just now", std::string(rig.find(EventKind::refused, 2)->detail.view()));
+  bench.reset();
+  bench.shoot();
+  CHECK_EQUAL(1u, rig.instants(Output::trigger).size());
+}
+
+TEST(Sequencer, StaysStoppedAfterADisarmThoughNothingWasArmed) {
+  Command disarm = bench.plain_command(CommandKind::disarm);
+  disarm.host_name = "anna@desk";
+  bench.give(disarm);
+  CHECK_EQUAL("disarmed by command of 4d anna@desk",
+              std::string(rig.find(EventKind::disarmed)->detail.view()));
+  bench.give(disarm);  // repeated until it is confirmed
+  CHECK_EQUAL(1u, rig.count(EventKind::disarmed));
+  CHECK_EQUAL(0, bench.arm());
+  CHECK_EQUAL(State::stopped, rig.statuses.back().state);
+}
+
+TEST(Sequencer, ObeysADisarmWhateverElseIsWrongWithIt) {
+  bench.arm();
+  Command disarm = bench.plain_command(CommandKind::disarm);
+  disarm.defect = "schema version 9 instead of 2";
+  bench.give(disarm);
+  CHECK_EQUAL(State::stopped, bench.sequencer.state());
+}
+
+TEST(Sequencer, BeginsStoppedWhereTheKeyIsOff) {
+  SequencerFixture off(shipped_rig(), {}, [](VirtualRig& at_start) { at_start.key = false; });
+  off.rig.key = true;
+  for (int turn = 0; turn < 3; ++turn) off.step();
+  CHECK_EQUAL(0, off.arm());
+  off.reset();
+  CHECK(off.arm() != 0);
+}
+
+TEST(Sequencer, AbortsAShotInWhichTheMachineWasSuspended) {
+  const MonoTime start = bench.fire();
+  while (rig.time < start + milliseconds(100)) bench.step();
+  rig.asleep = milliseconds(3'600'000);  // hours by every other clock
+  bench.play();
+  CHECK_EQUAL("the machine was suspended", bench.abort_reason());
+  CHECK_EQUAL(State::stopped, bench.sequencer.state());
+}
+
+TEST(Sequencer, PullsNoTriggerThatWasPendingWhenTheMachineWasSuspended) {
+  const MonoTime start = bench.fire();
+  while (rig.time < start - milliseconds(1)) bench.sequencer.step(start - milliseconds(1));
+  rig.asleep = milliseconds(200);
+  bench.play();
+  CHECK_EQUAL(0u, rig.instants(Output::trigger).size());
+}
+
+TEST(Sequencer, DropsWhatIsArmedWhenTheMachineWasSuspended) {
+  bench.arm();
+  rig.asleep = milliseconds(60'000);
+  bench.step();
+  CHECK_EQUAL(State::stopped, bench.sequencer.state());
+  CHECK_EQUAL("the machine was suspended", std::string(rig.find(EventKind::disarmed)->detail.view()));
+}
+
+TEST(Sequencer, DropsWhatIsArmedWhenItStoodStillItself) {
+  const std::int64_t token = bench.arm();
+  const Command fire = bench.fire_command(token);
+  rig.schedule_command(rig.time, fire);  // it has come, and is not looked at before
+  rig.freeze(rig.time + nanoseconds(30), Sequencer::kStoodStill + milliseconds(1));
+  bench.step();
+  CHECK_EQUAL("FIRE: not armed", refusal());
+  CHECK_EQUAL("the loop stood still while it was armed",
+              std::string(rig.find(EventKind::disarmed)->detail.view()));
+  CHECK(bench.arm() != 0);  // no stop: nobody asked for one
 }
 
 TEST(Sequencer, EndsTheLoopWhenTheChipIsGoneThoughNothingIsFired) {

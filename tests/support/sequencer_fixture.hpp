@@ -15,10 +15,13 @@ struct SequencerFixture {
   Sequencer sequencer;
   std::int64_t last_command = 0, next_token = 500;
 
-  explicit SequencerFixture(const Rig& rig_config = shipped_rig(), const Tick& tick = {})
+  using Prepare = void (*)(VirtualRig&);
+  explicit SequencerFixture(
+      const Rig& rig_config = shipped_rig(), const Tick& tick = {}, Prepare before_start = [](VirtualRig&) {})
       : config(rig_config),
         rig(static_cast<std::size_t>(rig_config.lamps.max_flashes)),
         sequencer(config, rig.ports(), 0, tick) {
+    before_start(rig);
     sequencer.start("test");
   }
   Command plain_command(CommandKind kind) {
@@ -40,10 +43,22 @@ struct SequencerFixture {
     return command;
   }
 
+  /// As a person gives it just now.
+  Command reset_command() {
+    Command command = plain_command(CommandKind::reset);
+    command.acted_boot_time = Duration{to_ns(rig.time)} + rig.asleep;
+    return command;
+  }
+
   bool step() { return sequencer.step(kNoDeadline); }
   void give(const Command& command) {
     rig.schedule_command(rig.time, command);
     step();
+  }
+  /// A person resets a stop, and waits until the rig may be armed again.
+  void reset() {
+    give(reset_command());
+    for (const MonoTime end = rig.statuses.back().restart; rig.time < end;) step();
   }
   std::int64_t arm() {
     give(arm_command());

@@ -48,6 +48,7 @@ class VirtualRig final : public Clock,
   bool reuses_records = false;  ///< each shot gets the record of the one before
   Duration set_cost = nanoseconds(300);
   Duration wake_delay{};  ///< whoever sleeps is woken so late
+  Duration asleep{};      ///< how long the machine has been suspended in all
   Duration lamp_delay = microseconds(12);
   bool sensor_a_works = true, sensor_b_works = true, xsync_works = false;
   Duration opening_lag = milliseconds(45), closing_lag = milliseconds(45);
@@ -118,6 +119,7 @@ class VirtualRig final : public Clock,
     pass(nanoseconds(30));
     return time;
   }
+  Duration suspended() noexcept override { return asleep; }
   bool set(Output output, bool active) noexcept override { return drive(output, active, Lamps::both); }
   bool set_lamps(Lamps lamps) noexcept override { return drive(Output::strobes, true, lamps); }
   std::optional<std::size_t> wait(MonoTime until, std::span<Edge> edges) noexcept override {
