@@ -69,7 +69,9 @@ void CommissionPage::show(const Commissioning& commissioning, web::RunView view)
 void CommissionPage::obey(HostLoop& loop, Commissioning& commissioning) {
   for (const web::LiveCommand& command : page_->take_commands()) {
     loop.notify("ended from the page by " + command.from);
-    commissioning.stop();
+    // Whoever armed it: another host may fire.
+    if (command.kind == web::LiveCommand::Kind::disarm) loop.disarm("the page at " + command.from);
+    commissioning.stop("the page at " + command.from);
   }
   for (const web::CommissionRun::Asked& asked : run_->take_asked()) {
     if (asked.kind == web::CommissionRun::Asked::Kind::more_time) {

@@ -129,7 +129,7 @@ int run(const CommissionRequest& request, SessionFolder& folder, RecordFile& rec
                request.url.c_str(), request.session.c_str(), request.record_path.c_str());
   bool receiving = true;
   while (!commissioning.finished() && record.problem().empty() && (receiving = loop.run_once())) {
-    if (interrupted()) commissioning.stop();
+    if (interrupted()) commissioning.stop("the operator");
     if (!request.yes) console.read(commissioning);
     commissioning.step();
     page.step(loop, commissioning, frame);

@@ -131,11 +131,14 @@ Result<FireRequest> request_of(const FireOptions& options) {
 }
 
 int run(const FireOptions& given) {
+  const HostReading asked = MachineClock().read();
   if (given.until && given.dry) return bad_input("--until counts shots with a ball: not with --dry");
   const auto options = given.resume ? resumed(given) : Result<FireOptions>(given);
   if (!options) return bad_input(options.error().message);
-  const auto request = request_of(*options);
-  return request ? run_fire(*request) : bad_input(request.error().message);
+  auto request = request_of(*options);
+  if (!request) return bad_input(request.error().message);
+  request->asked = asked;
+  return run_fire(*request);
 }
 
 }  // namespace

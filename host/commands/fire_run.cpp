@@ -77,6 +77,7 @@ class FireRun {
         terminal_(request.style,
                   fmt::format("strobe fire   rig {}   session {}", request.rig.rig, request.session)),
         shot_text_(folder, clock, [this](std::int64_t host) { return shown(host); }) {
+    loop_.person_acted(request.asked);
     loop_.add_listener(terminal_);
     loop_.add_listener(shot_text_);
     terminal_.show_only([this](std::int64_t host) { return shown(host); });
@@ -150,7 +151,9 @@ class FireRun {
     if (asked == heeded_) return;
     heeded_ = asked;
     if (asked == 1) return end_after_shot("interrupted");
-    loop_.notify("stopping at once");
+    if (left_by_ && asked >= *left_by_) return runner_.leave();
+    left_by_ = asked + 1;
+    loop_.notify("stopping at once; once more to leave without the rig's confirmation");
     end_at_once("interrupted");
   }
 
@@ -161,13 +164,13 @@ class FireRun {
                                runner_.series().shot_number()));
       return runner_.end_after_shot(why);
     }
-    loop_.notify(runner_.stop() ? why + ": disarming"
-                                : "fetching lost events; press Ctrl-C again to stop at once");
+    if (!runner_.stop("the operator (" + why + ")"))
+      loop_.notify("fetching lost events; press Ctrl-C again to stop at once");
   }
 
   void end_at_once(const std::string& why) {
     ended_by_ = why;
-    runner_.stop_at_once();
+    runner_.stop_at_once("the operator (" + why + ")");
   }
 
   void serve() {
@@ -181,7 +184,7 @@ class FireRun {
     if (!page_) return;
     for (const web::LiveCommand& command : page_->take_commands()) {
       if (command.kind == web::LiveCommand::Kind::disarm) {
-        loop_.notify("disarmed from the page by " + command.from);
+        loop_.notify("to be disarmed from the page by " + command.from);
         end_at_once("disarmed from the page");
       } else if (ended_by_.empty()) {
         loop_.notify("stopped from the page by " + command.from);
@@ -243,6 +246,9 @@ class FireRun {
                     series.refired(), request_.session);
     std::string problem = series.succeeded() ? "" : series.blocking_reason();
     if (!ended_by_.empty() && !series.succeeded()) problem = ended_by_;
+    if (loop_.disarming())
+      problem += (problem.empty() ? "" : "; ") +
+                 std::string("DISARM NOT CONFIRMED: the rig may still be armed; press the e-stop");
     for (const std::string& line : stored_.unstored()) problem += (problem.empty() ? "" : "; ") + line;
     if (series.succeeded() && problem.empty()) {
       std::fprintf(stderr, "strobe: %s\n", summary.c_str());
@@ -265,9 +271,10 @@ class FireRun {
   SeriesRunner& runner_;
   Terminal terminal_;
   ShotText shot_text_;
-  int heeded_ = 0;         ///< of ends_asked_for()
-  std::string ended_by_;   ///< why the series ends before its time; empty: it does not
-  bool recorded_ = false;  ///< there is a run to go on with
+  int heeded_ = 0;              ///< of ends_asked_for()
+  std::optional<int> left_by_;  ///< of ends_asked_for(): then nothing is waited for any more
+  std::string ended_by_;        ///< why the series ends before its time; empty: it does not
+  bool recorded_ = false;       ///< there is a run to go on with
   KeyCheck key_;
   ActivityNotes activity_;
   bool recovery_told_ = false;

@@ -7,6 +7,7 @@
 
 #include "common/authentication/key.hpp"
 #include "common/data/thesis_data.hpp"
+#include "host/clock/clock_reading.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/commands/web_page.hpp"
 #include "host/config/rig_file.hpp"
@@ -19,6 +20,7 @@ namespace strobe::host {
 struct FireRequest {
   explicit FireRequest(const authentication::Key& lab_key) : key(lab_key) {}
 
+  HostReading asked;  ///< when the command was given
   authentication::Key key;
   RigFile rig;
   ShotSeriesSettings series;

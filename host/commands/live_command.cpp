@@ -14,7 +14,6 @@
 #include "host/commands/terminal.hpp"
 #include "host/commands/web_page.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/loop/disarm_hold.hpp"
 #include "host/loop/host_loop.hpp"
 #include "host/messages/lcm_link.hpp"
 #include "host/view/timing.hpp"
@@ -86,24 +85,25 @@ class MissingNotes {
   HostTime since_;
 };
 
-void step(WebPage& page, DisarmHold& hold, HostLoop& loop, const ViewModel& model) {
+void step(WebPage& page, HostLoop& loop, const ViewModel& model) {
   for (const web::LiveCommand& command : page.take_commands()) {
-    if (command.kind == web::LiveCommand::Kind::disarm) hold.disarm("the page at " + command.from);
+    if (command.kind == web::LiveCommand::Kind::disarm) loop.disarm("the page at " + command.from);
   }
-  hold.step();
   page.step(loop, model, {model.series.counted(), std::nullopt, false});
 }
+
+/// Not left before a DISARM is confirmed, unless the operator insists.
+bool waits_for_disarm(const HostLoop& loop) { return loop.disarming() && ends_asked_for() < 2; }
 
 /// Returns false if nothing can be received any more.
 bool watch(HostLoop& loop, Terminal& terminal, TimingReport* timing, WebPage* page,
            const LiveOptions& options) {
   const Duration idle = from_seconds(options.idle_exit_s);
   MissingNotes missing;
-  DisarmHold hold(loop);
-  while (!interrupted()) {
+  while (!interrupted() || waits_for_disarm(loop)) {
     if (!loop.run_once()) return false;
     terminal.show(loop);
-    if (page) step(*page, hold, loop, terminal.model());
+    if (page) step(*page, loop, terminal.model());
     if (timing) timing->step();
     if (terminal.output_problem()) break;
     if (const auto note = missing.update(terminal.model().events_missing, loop.now())) terminal.note(*note);

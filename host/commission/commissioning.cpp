@@ -7,7 +7,7 @@
 namespace strobe::commission {
 namespace {
 
-constexpr Duration kDisarmTimeout = std::chrono::seconds{1};
+constexpr Duration kDisarmTimeout = std::chrono::seconds{10};
 constexpr Duration kStretch = std::chrono::seconds{60};
 /// Of a photograph, beyond the rig file's time for one: it is still to be read.
 constexpr Duration kReading = std::chrono::seconds{5};
@@ -65,7 +65,7 @@ void Commissioning::choose_due(const Record& former) {
 }
 
 void Commissioning::step() {
-  if (phase_ == Phase::disarming && (disarmed() || loop_.now() - entered_ > kDisarmTimeout))
+  if (phase_ == Phase::disarming && (!loop_.disarming() || loop_.now() - entered_ > kDisarmTimeout))
     phase_ = Phase::finished;
   if (phase_ == Phase::choosing) choose();
   if (phase_ == Phase::firing) go_on_firing();
@@ -133,7 +133,8 @@ void Commissioning::answer(Answer given) {
   if (phase_ != Phase::asking || !prompt_) return;
   const Prompt::Kind kind = prompt_->kind;
   prompt_.reset();
-  if (given == Answer::end) return stop();
+  if (given == Answer::end) return stop("the operator");
+  loop_.person_acted();
   switch (kind) {
     case Prompt::Kind::begin:
       return given == Answer::yes ? begin()
@@ -208,12 +209,20 @@ void Commissioning::go_on_firing() {
   if (status) series_->on_arming_of(loop_.session().host_name(status->arm_host_id), false);
   series_->step(status, loop_.now());
   for (const auto& command : series_->take_commands()) loop_.send(command);
+  if (series_->take_disarm()) loop_.disarm("the shot's end");
   static_cast<void>(series_->take_notifications());  // its end is told as the step's result
   if (!series_->blocking_reason().empty() && !series_->finished())
     wait("waiting: " + series_->blocking_reason(), Act::none);
   if (!series_->finished() || result_) return;
   work_[current_].step->on_no_shot(series_->blocking_reason());
   phase_ = Phase::running;
+  stopped_in_step_ = rig_stopped();
+}
+
+bool Commissioning::rig_stopped() const {
+  const auto& status = loop_.session().status();
+  return status &&
+         (status->estop_active || !status->key_active || status->state == strobe_msgs::status_t::STOPPED);
 }
 
 void Commissioning::deliver() {
@@ -249,6 +258,9 @@ void Commissioning::finish_step(std::vector<StepResult> results) {
 }
 
 void Commissioning::next_step() {
+  // With nobody to say yes anew, nothing goes on after a stop that no step asked for.
+  if (!settings_.attended && stopped_in_step_) return end();
+  stopped_in_step_ = false;
   ++current_;
   phase_ = Phase::choosing;
 }
@@ -257,24 +269,19 @@ void Commissioning::set_state(StepState state) {
   for (const std::size_t i : work_[current_].views) views_[i].state = state;
 }
 
-void Commissioning::stop() {
+void Commissioning::stop(const std::string& by) {
   if (phase_ == Phase::disarming || phase_ == Phase::finished) return;
+  if (series_) loop_.disarm(by);
+  end();
+}
+
+void Commissioning::end() {
   stopped_ = true;
   prompt_.reset();
   if (current_ < work_.size() && !over(view().state)) set_state(StepState::pending);
-  phase_ = Phase::finished;
-  if (!series_) return;
-  series_->stop(loop_.live_status());
-  const auto commands = series_->take_commands();
-  for (const auto& command : commands) loop_.send(command);
-  if (commands.empty()) return;
-  phase_ = Phase::disarming;
+  phase_ = loop_.disarming() ? Phase::disarming : Phase::finished;
   entered_ = loop_.now();
-}
-
-bool Commissioning::disarmed() const {
-  const auto& status = loop_.session().status();
-  return !status || (status->arm_token == 0 && status->state != strobe_msgs::status_t::FIRING);
+  if (series_) series_->stop();
 }
 
 void Commissioning::on_event(const strobe_msgs::event_t& event) {

@@ -71,8 +71,9 @@ class Commissioning final : public host::HostListener {
   void add_listener(CommissioningListener& listener) { listeners_.push_back(&listener); }
 
   void step();
-  /// Ends: a shot under way is aborted, the rig disarmed, which may take a second. What is recorded stays.
-  void stop();
+  /// Ends: a shot under way is aborted, the rig disarmed until that is confirmed, for ten seconds at most. What is recorded
+  /// stays. by: who asks, for a person.
+  void stop(const std::string& by);
   bool finished() const { return phase_ == Phase::finished; }
   bool stopped() const { return stopped_; }
 
@@ -113,8 +114,9 @@ class Commissioning final : public host::HostListener {
   void ask(Prompt prompt);
   void wait(const std::string& words, Act act);
   void set_state(StepState state);
+  void end();
   bool passed(const std::string& id) const;
-  bool disarmed() const;
+  bool rig_stopped() const;
   Situation situation() const;
   StepView& view() { return views_[work_[current_].views.front()]; }
 
@@ -125,6 +127,7 @@ class Commissioning final : public host::HostListener {
   std::vector<CommissioningListener*> listeners_;
   Phase phase_ = Phase::choosing;
   bool stopped_ = false;
+  bool stopped_in_step_ = false;  ///< the rig, while a step wanted to fire
   std::size_t current_ = 0;
   std::optional<Prompt> prompt_;
   std::string waiting_;

@@ -12,6 +12,10 @@ namespace strobe::host {
 namespace {
 
 constexpr std::chrono::milliseconds kMaxWait{20};
+// Two clocks are not read quite together.
+constexpr Duration kAsleep = std::chrono::seconds{1};
+
+Duration slept(const HostReading& reading) { return reading.since_boot - reading.mono.time_since_epoch(); }
 
 }  // namespace
 
@@ -28,6 +32,9 @@ HostLoop::HostLoop(HostLoopSettings settings, Transport& transport, Clock& clock
       decoder_(settings_.rig, *this),
       now_(clock.read().mono),
       last_message_(now_) {
+  const HostReading begin = clock.read();
+  acted_ = begin.since_boot;
+  slept_before_ = slept(begin);
   if (!settings_.key || settings_.replays) return;
   sealer_.emplace(*settings_.key, settings_.rig);
   seal_.emplace(*settings_.key);
@@ -56,6 +63,7 @@ void HostLoop::receive(const std::string& channel, Transport::Bytes bytes) {
 void HostLoop::step() {
   const HostReading reading = clock_.read();
   now_ = reading.mono;
+  suspended_ = suspended_ || slept(reading) - slept_before_ > kAsleep;
   if (photographs_) {
     photographs_->step(now_);
     publish_photographs();
@@ -66,6 +74,7 @@ void HostLoop::step() {
   report();
   report_fault();
   request_lost_events();
+  repeat_disarm();
 }
 
 /// Of the handling of a message, such as memory that was not to be had.
@@ -82,7 +91,13 @@ void HostLoop::tell_not_kept(const std::string& text) {
 
 void HostLoop::on_status(const strobe_msgs::status_t& message) {
   session_.on_status(message, now_);
-  if (session_.status() && session_.status()->boot_time_ns == message.boot_time_ns) last_status_ = now_;
+  if (session_.status() && session_.status()->boot_time_ns == message.boot_time_ns)
+    last_status_ = clock_.read();
+  if (disarm_.on_status(message)) {
+    session_.set_unconfirmed("");
+    notify(
+        "disarmed: the firmware confirms it; nothing is armed until a person gives the command to fire anew");
+  }
   report();
 }
 
@@ -152,12 +167,38 @@ void HostLoop::request_lost_events() {
 std::int64_t HostLoop::firmware_boot_time_ns(std::int64_t boot_id) {
   const auto& status = session_.status();
   if (!status || status->boot_id != boot_id) return 0;
-  return status->boot_time_ns + (clock_.read().mono - last_status_).count();
+  return status->boot_time_ns + (clock_.read().mono - last_status_.mono).count();
+}
+
+/// When the person acted, by the firmware's CLOCK_BOOTTIME, or earlier likewise. 0: it is not heard.
+std::int64_t HostLoop::acted_boot_time_ns(std::int64_t boot_id) const {
+  const auto& status = session_.status();
+  if (!status || status->boot_id != boot_id) return 0;
+  return status->boot_time_ns + (acted_ - last_status_.since_boot).count();
+}
+
+void HostLoop::disarm(const std::string& by) {
+  const auto& status = session_.status();
+  if (!sealer_) return notify("cannot be disarmed, as " + by + " asks, without the lab's key");
+  notify("DISARM asked for by " + by);
+  const std::int64_t boot_id = status ? status->boot_id : 0;
+  disarm_.begin(now_, boot_id, firmware_boot_time_ns(boot_id));
+  repeat_disarm();
+}
+
+void HostLoop::repeat_disarm() {
+  const auto& status = session_.status();
+  if (disarm_.due(now_) && status) send(commands_.disarm(status->boot_id));
+  if (!disarm_.open()) return;
+  const std::string words = disarm_.not_confirmed(now_);
+  if (session_.set_unconfirmed(words)) notify(words);
 }
 
 void HostLoop::send(strobe_msgs::command_t command) {
   if (!sealer_) return;
-  command.sent_boot_time_ns = firmware_boot_time_ns(command.boot_id);
+  const bool is_reset = command.kind == strobe_msgs::command_t::RESET;
+  command.sent_boot_time_ns =
+      is_reset ? acted_boot_time_ns(command.boot_id) : firmware_boot_time_ns(command.boot_id);
   if (const auto sealed = sealer_->seal(command)) {
     transport_.publish(command_channel_, *sealed);
   } else {

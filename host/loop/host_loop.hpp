@@ -17,6 +17,7 @@
 #include "common/authentication/key.hpp"
 #include "common/messages/channels.hpp"
 #include "host/clock/clock_reading.hpp"
+#include "host/loop/disarm_request.hpp"
 #include "host/messages/command_factory.hpp"
 #include "host/messages/message_decoder.hpp"
 #include "host/messages/packet_check.hpp"
@@ -84,6 +85,17 @@ class HostLoop final : private MessageHandler {
 
   /// Seals and publishes a command, with the instant on the firmware's clock; without a key it is dropped.
   void send(strobe_msgs::command_t command);
+  /// A person asks now for something that may fire: typed the command, answered yes. Only stops from before are reset by it.
+  /// The loop's construction counts as one.
+  void person_acted() { acted_ = clock_.read().since_boot; }
+  void person_acted(const HostReading& then) { acted_ = then.since_boot; }
+  /// Disarms the rig, whoever armed it, also a firmware that is silent: the DISARM is repeated until it is confirmed, and
+  /// a danger (Session::danger()) as long as its confirmation is overdue. by: who asks, for a person.
+  void disarm(const std::string& by);
+  /// A DISARM has been asked for and is not confirmed.
+  bool disarming() const { return disarm_.open(); }
+  /// This machine has been suspended since the loop began: what it was about to do belongs to another day.
+  bool was_suspended() const { return suspended_; }
   void notify(const std::string& text);
 
   const HostLoopSettings& settings() const { return settings_; }
@@ -108,6 +120,8 @@ class HostLoop final : private MessageHandler {
   void on_shot(const strobe_msgs::shot_t& message) override;
   void on_frame(const strobe_msgs::frame_t& message) override;
   std::int64_t firmware_boot_time_ns(std::int64_t boot_id);
+  std::int64_t acted_boot_time_ns(std::int64_t boot_id) const;
+  void repeat_disarm();
   void publish_photographs();
   void request_lost_events();
   static void make_budget(ShotResult& result);
@@ -135,7 +149,11 @@ class HostLoop final : private MessageHandler {
   std::string told_fault_;
   HostTime now_;
   HostTime last_message_;
-  HostTime last_status_;  ///< when the session's status came
+  HostReading last_status_;  ///< when the session's status came
+  Duration acted_{};         ///< HostReading::since_boot
+  DisarmRequest disarm_;
+  Duration slept_before_{};
+  bool suspended_ = false;
 };
 
 }  // namespace strobe::host

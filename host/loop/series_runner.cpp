@@ -7,7 +7,7 @@ namespace {
 
 // The first status may take half of it: nothing is missing before it had time to come.
 constexpr Duration kFirstStatus = std::chrono::seconds{1};
-constexpr Duration kDisarmTimeout = std::chrono::seconds{1};
+constexpr Duration kDisarmTimeout = std::chrono::seconds{10};
 
 }  // namespace
 
@@ -37,8 +37,10 @@ void SeriesRunner::on_shot_result(const ShotResult& result) {
 
 void SeriesRunner::step() {
   if (phase_ == Phase::taking_in && take_in_->finished()) enter(Phase::firing);
-  if (phase_ == Phase::firing && series_.finished()) enter(Phase::recovering);
-  if (phase_ == Phase::disarming && (disarmed() || loop_.now() - entered_ > kDisarmTimeout))
+  if (phase_ == Phase::firing) send_commands();  // what a message has led to since
+  if (phase_ == Phase::firing && series_.finished())
+    enter(loop_.disarming() ? Phase::disarming : Phase::recovering);
+  if (phase_ == Phase::disarming && (!loop_.disarming() || loop_.now() - entered_ > kDisarmTimeout))
     enter(Phase::recovering);
   if (phase_ == Phase::firing) {
     if (on_begin_) std::exchange(on_begin_, nullptr)();
@@ -52,6 +54,7 @@ void SeriesRunner::fire() {
   const auto status = loop_.live_status();
   const Session& session = loop_.session();
   series_.on_danger(session.danger());
+  if (loop_.was_suspended()) series_.end_after_shot("this computer was suspended");
   if (status)
     series_.on_arming_of(session.host_name(status->arm_host_id), session.adopted(status->arm_host_id));
   // One that was fired at the last moment of an earlier run.
@@ -61,33 +64,33 @@ void SeriesRunner::fire() {
   send_commands();
 }
 
-bool SeriesRunner::stop() {
+bool SeriesRunner::stop(const std::string& by) {
   if (phase_ != Phase::firing && phase_ != Phase::taking_in) return false;
-  series_.stop(loop_.live_status());
-  send_commands();
+  series_.stop();
+  loop_.disarm(by);
   enter(Phase::disarming);
   return true;
 }
 
-void SeriesRunner::stop_at_once() {
+void SeriesRunner::stop_at_once(const std::string& by) {
   hurried_ = true;
-  stop();
+  if (stop(by) || phase_ == Phase::finished) return;
+  loop_.disarm(by);
+  enter(Phase::disarming);
 }
+
+void SeriesRunner::leave() { phase_ = Phase::finished; }
 
 void SeriesRunner::end_after_shot(const std::string& why) {
   if (phase_ != Phase::firing && phase_ != Phase::taking_in) return;
-  series_.end_after_shot(why, loop_.live_status());
+  series_.end_after_shot(why);
   send_commands();
 }
 
 void SeriesRunner::send_commands() {
   for (const auto& command : series_.take_commands()) loop_.send(command);
   for (const std::string& text : series_.take_notifications()) loop_.notify(text);
-}
-
-bool SeriesRunner::disarmed() const {
-  const auto& status = loop_.session().status();
-  return !status || (status->arm_token == 0 && status->state != strobe_msgs::status_t::FIRING);
+  if (series_.take_disarm()) loop_.disarm("the series' end");
 }
 
 Duration SeriesRunner::recovering_for() const {

@@ -27,11 +27,14 @@ class SeriesRunner final : public HostListener {
   int counted_before() const { return take_in_ ? take_in_->former().counted() : 0; }
 
   void step();
-  /// Ends the series before its time: the shot under way is aborted, the rig disarmed, which may take a second; then
-  /// lost events are recovered. Returns false if it had ended already.
-  bool stop();
-  /// As stop(), and lost events are not waited for.
-  void stop_at_once();
+  /// Ends the series before its time: the shot under way is aborted, the rig disarmed, whoever armed it, until that is
+  /// confirmed, for ten seconds at most; then lost events are recovered. Returns false if it had ended already. by: who
+  /// asks, for a person.
+  bool stop(const std::string& by);
+  /// As stop(), whatever is under way, and lost events are not waited for.
+  void stop_at_once(const std::string& by);
+  /// Waits for nothing any more.
+  void leave();
   /// No shot after the one under way, if one is.
   void end_after_shot(const std::string& why);
 
@@ -53,7 +56,6 @@ class SeriesRunner final : public HostListener {
   void enter(Phase phase);
   void fire();
   void send_commands();
-  bool disarmed() const;
 
   HostLoop& loop_;
   ShotSeries series_;

@@ -68,7 +68,7 @@ void StoredSeries::close() {
 
 void StoredSeries::abandon() noexcept {
   try {
-    runner_.stop();
+    runner_.stop("the end by an error");
   } catch (const std::exception&) {  // its arming expires by itself
   }
   try {

@@ -19,15 +19,17 @@ command_t CommandFactory::make(std::int64_t boot_id, std::int8_t kind) {
   return command;
 }
 
-command_t CommandFactory::arm(std::int64_t boot_id) {
-  command_t command = make(boot_id, command_t::ARM);
+/// With who asks, for a person.
+command_t CommandFactory::named(command_t command) const {
   if (host_name_.empty()) return command;
   command.notes = messages::notes_from_record({{std::string(messages::kHostNameNote), host_name_}});
   command.note_count = static_cast<std::int32_t>(command.notes.size());
   return command;
 }
 
-command_t CommandFactory::disarm(std::int64_t boot_id) { return make(boot_id, command_t::DISARM); }
+command_t CommandFactory::arm(std::int64_t boot_id) { return named(make(boot_id, command_t::ARM)); }
+command_t CommandFactory::disarm(std::int64_t boot_id) { return named(make(boot_id, command_t::DISARM)); }
+command_t CommandFactory::reset(std::int64_t boot_id) { return named(make(boot_id, command_t::RESET)); }
 command_t CommandFactory::clear(std::int64_t boot_id) { return make(boot_id, command_t::CLEAR); }
 
 command_t CommandFactory::fire(std::int64_t boot_id, std::int64_t arm_token, const ShotPlan& plan,

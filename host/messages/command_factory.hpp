@@ -29,11 +29,14 @@ class CommandFactory {
                               const reduction::Record& notes);
   strobe_msgs::command_t disarm(std::int64_t boot_id);
   strobe_msgs::command_t clear(std::int64_t boot_id);
+  /// When the person acted is for the host loop to fill in.
+  strobe_msgs::command_t reset(std::int64_t boot_id);
   /// boot_id: of the firmware that is asked, which may hold the journal of the range's earlier boot.
   strobe_msgs::command_t resend(std::int64_t boot_id, const EventRange& range);
 
  private:
   strobe_msgs::command_t make(std::int64_t boot_id, std::int8_t kind);
+  strobe_msgs::command_t named(strobe_msgs::command_t command) const;
 
   std::int64_t host_id_;
   std::string host_name_;

@@ -70,8 +70,15 @@ class Session {
 
   /// Who a host said to be when it armed; empty: it is not known.
   std::string host_name(std::int64_t host_id) const;
-  /// What the firmware last said of outputs that may be active, until it says that they are not; else empty.
-  const std::string& danger() const { return danger_; }
+  /// What the firmware last said of outputs that may be active, until it says that they are not; else what is not confirmed
+  /// of a DISARM; else empty.
+  const std::string& danger() const { return danger_.empty() ? unconfirmed_ : danger_; }
+  /// Of a DISARM, for a person; empty: there is none that is overdue. Returns true if these words are new ones to tell.
+  bool set_unconfirmed(const std::string& words) {
+    const bool news = !words.empty() && words != unconfirmed_;
+    unconfirmed_ = words;
+    return news;
+  }
 
   EventLedger& ledger() { return ledger_; }
   const EventLedger& ledger() const { return ledger_; }
@@ -163,7 +170,7 @@ class Session {
   RecentMap<std::pair<std::int64_t, std::int64_t>, std::int64_t> armed_{
       kMaxArmed};  ///< boot, sequence: by whom
   RecentMap<std::int64_t, std::string> host_names_{kMaxArmed};
-  std::string danger_;
+  std::string danger_, unconfirmed_;
   HostTime danger_told_;
   std::int64_t arming_told_ = 0;  ///< the host
   std::vector<ShotResult> shot_results_;

@@ -15,8 +15,23 @@ constexpr Duration kSendAgain = milliseconds{300};
 // After a token is gone without a sign of the shot: its events and status may still be on their way.
 constexpr Duration kSignOfShot = milliseconds{1500};
 constexpr int kMaxRefusals = 3;
-/// The firmware's word for it (firmware/core/interlock.cpp); DISARMs of this host's own come with the series' end.
+/// The firmware's word for it (firmware/core/interlock.cpp).
 constexpr std::string_view kDisarmedByCommand = "disarmed by command";
+constexpr std::string_view kSuspended = "the machine was suspended";
+
+/// Of a key or an e-stop that a person has to move first; null: neither.
+const char* switch_in_the_way(const status_t& status) {
+  if (status.estop_active) return "the e-stop is pressed, or its wire is broken";
+  return status.key_active ? nullptr : "the key is off, or its wire is broken";
+}
+
+/// Why the rig may not go on with what began before; empty: it may.
+std::string stop_of(const status_t& status) {
+  if (const char* const words = switch_in_the_way(status)) return words;
+  const bool stopped = status.state == status_t::STOPPED, fault = status.state == status_t::FAULT;
+  if (!stopped && !fault) return "";
+  return !status.message.empty() ? status.message : stopped ? "the rig was stopped" : "the rig has a fault";
+}
 
 std::string rejection_in_full(const ShotResult& shot_result) {
   const std::string& flag = *shot_result.rejected;
@@ -28,8 +43,6 @@ std::string rejection_in_full(const ShotResult& shot_result) {
 std::string ShotSeries::why_blocked(const status_t& status) {
   if (!status.message.empty()) return status.message;
   if (status.state == status_t::FAULT) return "the firmware has latched a fault";
-  if (status.estop_active) return "the e-stop is pressed";
-  if (!status.key_active) return "the key is off";
   if (!status.journal_ok) return "the firmware's journal cannot be written";
   if (status.arm_host_id != 0 && status.arm_host_id != factory_.host_id()) return who_armed(status);
   if (status.state == status_t::FIRING) return "the rig is firing a shot already";
@@ -77,14 +90,36 @@ void ShotSeries::give_up(const std::string& why) {
   state_ = State::finished;
 }
 
-void ShotSeries::give_back(const status_t& status) { commands_.push_back(factory_.disarm(status.boot_id)); }
-
-void ShotSeries::end_after_shot(const std::string& why, const std::optional<status_t>& status) {
+void ShotSeries::end_after_shot(const std::string& why) {
   if (state_ == State::finished || !ending_.empty()) return;
   ending_ = why;
   if (shot_under_way()) return;
-  if (status && (ours(*status) || state_ == State::arming)) give_back(*status);
+  disarm_ = state_ == State::arming;
   give_up(why);
+}
+
+/// What a person's act has to do with: nothing begins that a switch is in the way of, and a stop from before is reset.
+void ShotSeries::begin(const status_t& status, HostTime now) {
+  if (const char* const words = switch_in_the_way(status))
+    return give_up(fmt::format("{}: {}, then give the command again", words,
+                               status.estop_active ? "release it" : "turn it on"));
+  if (status.state == status_t::STOPPED) {
+    blocking_reason_ = "the rig was stopped: resetting";
+    if (now - sent_ < kSendAgain) return;
+    commands_.push_back(factory_.reset(status.boot_id));
+    return sent(status, now);
+  }
+  if (status.state == status_t::FAULT) return;  // until it is cleared
+  begun_boot_ = status.boot_id;
+  begun_after_ = status.last_sequence;
+}
+
+void ShotSeries::check_stop(const status_t& status) {
+  if (begun_boot_ == 0) return;
+  // Until it has given a token it may be a log that is played back, and the firmware is still to be heard.
+  if (status.boot_id != begun_boot_ && !admitted_) return begin(status, now_);
+  if (status.boot_id != begun_boot_) return end_after_shot("the firmware was started anew");
+  if (const std::string words = stop_of(status); !words.empty()) end_after_shot(words);
 }
 
 void ShotSeries::step(const std::optional<status_t>& status, HostTime now) {
@@ -92,11 +127,15 @@ void ShotSeries::step(const std::optional<status_t>& status, HostTime now) {
   if (state_ == State::waiting && succeeded()) state_ = State::finished;
   if (state_ == State::finished) return;
   if (!blocked_since_) blocked_since_ = now;
+  if (status && begun_boot_ == 0) begin(*status, now);
+  if (status) check_stop(*status);
+  if (state_ == State::finished) return;
   if (!status) {
     blocking_reason_ = "no firmware heard; is strobed running, with the same rig name and LCM URL?";
   } else {
     switch (state_) {
       case State::waiting:
+        if (begun_boot_ == 0 && status->state == status_t::STOPPED) break;
         wait_for_readiness(*status, now);
         break;
       case State::arming:
@@ -143,6 +182,7 @@ void ShotSeries::arm(const status_t& status, HostTime now) {
   if (ours(status)) {
     refusal_.clear();
     blocking_reason_.clear();
+    admitted_ = true;
     boot_id_ = status.boot_id;
     shots_before_ = status.last_shot_id;
     enter(State::firing, now);
@@ -155,6 +195,8 @@ void ShotSeries::arm(const status_t& status, HostTime now) {
 }
 
 void ShotSeries::send_arm(const status_t& status, HostTime now) {
+  // Where a stop was reset by another host, it was for that one's series only.
+  if (!admitted_) commands_.push_back(factory_.reset(status.boot_id));
   commands_.push_back(factory_.arm(status.boot_id));
   sent(status, now);
 }
@@ -180,7 +222,7 @@ void ShotSeries::fire(const status_t& status, HostTime now) {
   if (same_boot && ours(status)) {
     if (now - sent_ < kSendAgain) return;
     if (ending_.empty()) return send_fire(status, now);
-    give_back(status);  // what was sent got lost, and is not sent again
+    disarm_ = true;  // what was sent got lost, and is not sent again
     return give_up(ending_);
   }
   if (now - sent_ >= kSignOfShot) enter(State::waiting, now);
@@ -201,15 +243,26 @@ void ShotSeries::on_event(const event_t& event) {
   }
   // A refusal from before the command is none of it: it was lost and came late, or a log is played back.
   const bool answers = event.boot_id == asked_boot_ && event.sequence > asked_after_;
-  const bool ended = event.kind == event_t::DISARMED || event.kind == event_t::SHOT_ABORTED;
-  if (ended && answers && shot_asked_for() && event.detail == kDisarmedByCommand)
-    return end_after_shot("another host has disarmed the rig", std::nullopt);
+  on_stop_event(event);
+  if (begun_boot_ == 0 && event.kind == event_t::REFUSED && answers && event.detail.starts_with("RESET"))
+    return give_up("refused: " + event.detail);
   if (event.kind != event_t::REFUSED || !answers || (state_ != State::arming && state_ != State::firing))
     return;
   refusal_ = "refused: " + event.detail;
   notifications_.push_back(refusal_);
   if (state_ == State::firing && ++refusals_ >= kMaxRefusals) return give_up(refusal_);
   enter(State::waiting, now_);
+}
+
+/// A stop of which no status was heard, as it was lost or another person has had it reset.
+void ShotSeries::on_stop_event(const event_t& event) {
+  if (begun_boot_ == 0 || event.boot_id != begun_boot_ || event.sequence <= begun_after_) return;
+  const bool disarmed = event.kind == event_t::DISARMED || event.kind == event_t::SHOT_ABORTED;
+  if (disarmed && event.detail.starts_with(kDisarmedByCommand))
+    return end_after_shot("another host has disarmed the rig");
+  if (disarmed && event.detail == kSuspended) return end_after_shot("the rig's computer was suspended");
+  if (event.kind == event_t::KEY) end_after_shot("the key was turned off");
+  if (event.kind == event_t::ESTOP) end_after_shot("the e-stop was pressed");
 }
 
 void ShotSeries::on_shot_result(const ShotResult& shot_result) {
@@ -246,14 +299,6 @@ void ShotSeries::on_rejected(const std::string& why, std::int64_t shot_id) {
   notifications_.push_back(fmt::format("shot {} does not count ({}): firing again, {} of {} times", shot_id,
                                        why, refired_, settings_.retries));
   enter(State::waiting, now_);
-}
-
-void ShotSeries::stop(const std::optional<status_t>& status) {
-  if (status &&
-      (ours(*status) || state_ == State::arming || state_ == State::firing || state_ == State::shooting)) {
-    give_back(*status);
-  }
-  state_ = State::finished;
 }
 
 std::string ShotSeries::activity() const {

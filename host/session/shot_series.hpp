@@ -1,7 +1,10 @@
 // Firing a series: arm, fire, wait for the readout, fire rejected shots again, until all have come or the
 // retries are used up. It acts only on what answers it: on shots of the boot that gave this host the token, with
 // this host's id, later than the token; on refusals later than the command. So a log that is played back, whose
-// seals are good, ends no shot. A state machine on messages and the host's clock; no I/O; single-threaded.
+// seals are good, ends no shot.
+//
+// It begins by a person's act, which resets a stop from before. A stop that comes then (key, e-stop, DISARM, a fault, a
+// firmware that was started anew) ends it with the shot under way: what returns later starts nothing. A state machine on messages and the host's clock; no I/O; single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -47,9 +50,9 @@ class ShotSeries {
   /// What to do now. status: the newest; absent if the firmware is silent (Session::live_status()).
   void step(const std::optional<strobe_msgs::status_t>& status, HostTime now);
   /// Ends the series with the shot under way; if there is none, at once. why: for a person.
-  void end_after_shot(const std::string& why, const std::optional<strobe_msgs::status_t>& status);
-  /// Ends the series: the arm token is given back, a running shot is aborted.
-  void stop(const std::optional<strobe_msgs::status_t>& status);
+  void end_after_shot(const std::string& why);
+  /// Ends the series; what is armed or under way is for the caller to disarm.
+  void stop() { state_ = State::finished; }
 
   /// Who holds the arming that the status tells of, if it is known; whether it was an earlier run of one's own.
   void on_arming_of(std::string host_name, bool own);
@@ -57,6 +60,8 @@ class ShotSeries {
   void on_danger(const std::string& danger);
 
   std::vector<strobe_msgs::command_t> take_commands() { return std::exchange(commands_, {}); }
+  /// Once: what is armed is not wanted any more.
+  bool take_disarm() { return std::exchange(disarm_, false); }
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
 
   bool finished() const { return state_ == State::finished; }
@@ -75,8 +80,9 @@ class ShotSeries {
  private:
   enum class State { waiting, arming, firing, shooting, finished };
 
-  /// Armed, or to be: whoever disarms now wants no shot.
-  bool shot_asked_for() const { return state_ == State::arming || shot_under_way(); }
+  void begin(const strobe_msgs::status_t& status, HostTime now);
+  void check_stop(const strobe_msgs::status_t& status);
+  void on_stop_event(const strobe_msgs::event_t& event);
   void wait_for_readiness(const strobe_msgs::status_t& status, HostTime now);
   void arm(const strobe_msgs::status_t& status, HostTime now);
   void fire(const strobe_msgs::status_t& status, HostTime now);
@@ -84,7 +90,6 @@ class ShotSeries {
   void enter(State state, HostTime now);
   void on_rejected(const std::string& why, std::int64_t shot_id);
   void give_up(const std::string& why);
-  void give_back(const strobe_msgs::status_t& status);
   void send_arm(const strobe_msgs::status_t& status, HostTime now);
   void send_fire(const strobe_msgs::status_t& status, HostTime now);
   void sent(const strobe_msgs::status_t& status, HostTime now);
@@ -99,6 +104,10 @@ class ShotSeries {
   HostTime entered_;
   HostTime sent_;
   std::optional<HostTime> blocked_since_;
+  std::int64_t begun_boot_ = 0;   ///< the firmware that the series began with; 0: it has not begun
+  std::int64_t begun_after_ = 0;  ///< its newest event then
+  bool admitted_ = false;         ///< it has given a token
+  bool disarm_ = false;
   std::int64_t boot_id_ = 0;       ///< firmware of the shot that is under way
   std::int32_t shots_before_ = 0;  ///< its last_shot_id before the shot
   bool fired_ = false;             ///< FIRE was sent, and the shot has no result yet

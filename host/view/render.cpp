@@ -39,6 +39,8 @@ std::string state_name(const status_t& status) {
       return "FAULT";
     case status_t::SPENT:
       return "spent, to be armed anew";
+    case status_t::STOPPED:
+      return "STOPPED, until a person gives the command to fire anew";
     default:
       return "unknown state";
   }

@@ -107,9 +107,18 @@ void RawHost::send_bytes(std::span<const std::uint8_t> bytes) {
   lcm_.publish(channel_name(rig_, Channel::command), bytes.data(), static_cast<unsigned>(bytes.size()));
 }
 
+bool RawHost::reset() {
+  send(command(strobe_msgs::command_t::RESET));
+  const auto ready = [this] {
+    return status_.state != strobe_msgs::status_t::STOPPED && status_.message.empty();
+  };
+  return wait(ready, kLongestWait);
+}
+
 std::int64_t RawHost::arm(std::chrono::milliseconds limit) {
   // What was heard meanwhile may name the token of an earlier arming, which is no longer good.
   while (lcm_.handleTimeout(0) > 0) continue;
+  if (status_.state == strobe_msgs::status_t::STOPPED && !reset()) return 0;
   const std::int64_t earlier = status_.arm_token;
   send(command(strobe_msgs::command_t::ARM));
   const auto given = [&] {

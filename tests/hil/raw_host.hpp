@@ -33,7 +33,9 @@ class RawHost {
   void listen(std::chrono::milliseconds time);
 
   bool wait_status();  ///< the first one of strobed
-  /// Asks for a new token; 0: none was given.
+  /// A person resets what has stopped the rig, and waits until it may be armed again. Returns whether it may.
+  bool reset();
+  /// Asks for a new token, as a person who has a stop reset first; 0: none was given.
   std::int64_t arm(std::chrono::milliseconds limit = std::chrono::seconds(10));
   using ShotOfToken = std::function<strobe_msgs::command_t(std::int64_t token)>;
   /// Arms and fires until a first flash is seen, since a machine that stands still is late with shots before it;

@@ -11,7 +11,6 @@
 #include "common/authentication/seal.hpp"
 #include "common/messages/channels.hpp"
 #include "common/messages/encode.hpp"
-#include "host/loop/disarm_hold.hpp"
 #include "host/loop/series_runner.hpp"
 #include "host/session/logged_transport.hpp"
 #include "tests/host/synthetic_shot.hpp"
@@ -58,7 +57,8 @@ struct Bus final : host::Transport {
 struct ManualClock final : host::Clock {
   Duration now = std::chrono::seconds{100};
   Duration wall_ahead{};
-  host::HostReading read() override { return {HostTime{now}, WallTime{now + wall_ahead}, now}; }
+  Duration asleep{};  ///< how long this machine has been suspended
+  host::HostReading read() override { return {HostTime{now}, WallTime{now + wall_ahead}, now + asleep}; }
 };
 
 struct Results final : host::HostListener {
@@ -171,44 +171,105 @@ TEST(HostLoop, SaysWithACommandWhenItWasSentByTheFirmwaresClock) {
   CHECK_EQUAL(0, last_command().sent_boot_time_ns);
 }
 
-TEST(HostLoop, ARigDisarmedBetweenTwoShotsIsDisarmedAgainAsTheNextIsArmed) {
-  HostLoop loop(settings(false), bus, clock);
-  loop.add_listener(results);
-  host::DisarmHold hold(loop);
+namespace {
+
+status_t stopped_status(std::int64_t boot_time_ns) {
   status_t status = idle_status();
-  status.state = status_t::SPENT;
-  arrive(Channel::status, status);
-  pass(loop, 0.02);
-  hold.disarm("the page");
-  LONGS_EQUAL(1, bus.commands.size());
-  STRCMP_CONTAINS("nothing was armed", results.notifications.back().c_str());
-  status.state = status_t::ARMED;
-  status.arm_host_id = kHost + 1;
-  for (const std::int64_t token : {9, 9, 10}) {  // a status comes again until the next arming
-    status.arm_token = token;
-    arrive(Channel::status, status);
-    pass(loop, 1.0);
-    hold.step();
-    LONGS_EQUAL(command_t::DISARM, last_command().kind);
-  }
-  LONGS_EQUAL(3, bus.commands.size());
+  status.state = status_t::STOPPED;
+  status.boot_time_ns = boot_time_ns;
+  return status;
+}
+status_t heard_at(std::int64_t boot_time_ns) {
+  status_t status = idle_status();
+  status.boot_time_ns = boot_time_ns;
+  return status;
 }
 
-TEST(HostLoop, ARigMayBeArmedAgainOnceItsDisarmingIsLongPast) {
+}  // namespace
+
+TEST(HostLoop, ADisarmIsRepeatedUntilItIsConfirmed) {
   HostLoop loop(settings(false), bus, clock);
-  host::DisarmHold hold(loop);
+  arrive(Channel::status, heard_at(7'000'000'000));
+  pass(loop, 0.02);
+  loop.disarm("the page");
+  for (std::size_t sent = 1; sent <= 4; ++sent) {
+    LONGS_EQUAL(sent, bus.commands.size());
+    LONGS_EQUAL(+command_t::DISARM, last_command().kind);
+    pass(loop, 0.1);
+  }
+  CHECK_TRUE(loop.disarming());
+  arrive(Channel::status, heard_at(7'600'000'000));  // nothing is armed, but another host may arm in a moment
+  pass(loop, 0.02);
+  CHECK_TRUE(loop.disarming());
+  arrive(Channel::status, stopped_status(7'700'000'000));
+  pass(loop, 0.02);
+  CHECK_FALSE(loop.disarming());
+  const std::size_t sent = bus.commands.size();
+  pass(loop, 1.0);
+  LONGS_EQUAL(sent, bus.commands.size());
+}
+
+TEST(HostLoop, ADisarmIsNotConfirmedByWhatWasSaidBefore) {
+  HostLoop loop(settings(false), bus, clock);
+  arrive(Channel::status, heard_at(7'000'000'000));
+  pass(loop, 0.02);
+  pass(loop, 0.3);
+  loop.disarm("the page");
+  arrive(Channel::status,
+         stopped_status(7'200'000'000));  // late: another stop, which may have been reset since
+  pass(loop, 0.02);
+  CHECK_TRUE(loop.disarming());
+}
+
+TEST(HostLoop, ADisarmThatIsNotConfirmedIsADangerWithinASecond) {
+  HostLoop loop(settings(false), bus, clock);
+  loop.add_listener(results);
+  arrive(Channel::status, heard_at(7'000'000'000));
+  pass(loop, 0.02);
+  loop.disarm("the page");
+  for (int i = 0; i < 9; ++i) pass(loop, 0.1);
+  STRCMP_CONTAINS("DISARM NOT CONFIRMED", loop.session().danger().c_str());
+  STRCMP_CONTAINS("press the e-stop", results.notifications.back().c_str());
+  arrive(Channel::status, stopped_status(9'000'000'000));
+  pass(loop, 0.02);
+  CHECK_EQUAL("", loop.session().danger());
+  STRCMP_CONTAINS("the firmware confirms it", results.notifications.back().c_str());
+}
+
+TEST(HostLoop, ASilentFirmwareIsDisarmedToo) {
+  HostLoop loop(settings(false), bus, clock);
   arrive(Channel::status, idle_status());
   pass(loop, 0.02);
-  hold.disarm("the page");
-  clock.now += host::DisarmHold::kHold;
-  status_t status = idle_status();
-  status.state = status_t::ARMED;
-  status.arm_host_id = kHost + 1;
-  status.arm_token = 9;
-  arrive(Channel::status, status);
+  pass(loop, 60.0);
+  CHECK_FALSE(loop.live_status().has_value());
+  loop.disarm("the page");
+  LONGS_EQUAL(+command_t::DISARM, last_command().kind);
+  LONGS_EQUAL(kBoot, last_command().boot_id);
+}
+
+TEST(HostLoop, AFirmwareThatIsHeardOnlyAfterTheDisarmGetsItThen) {
+  HostLoop loop(settings(false), bus, clock);
+  loop.disarm("the page");
+  pass(loop, 0.6);
+  LONGS_EQUAL(0, bus.commands.size());
+  STRCMP_CONTAINS("DISARM NOT CONFIRMED", loop.session().danger().c_str());
+  arrive(Channel::status, idle_status());
   pass(loop, 0.02);
-  hold.step();
-  LONGS_EQUAL(1, bus.commands.size());
+  pass(loop, 0.1);
+  LONGS_EQUAL(+command_t::DISARM, last_command().kind);
+}
+
+TEST(HostLoop, SaysWithAResetWhenThePersonActedByTheFirmwaresClock) {
+  HostLoop loop(settings(true), bus, clock);
+  pass(loop, 2.0);
+  arrive(Channel::status, heard_at(7'000'000'000));
+  pass(loop, 0.3);
+  pass(loop, 5.0);
+  loop.send(loop.commands().reset(kBoot));  // since the loop was made, 2.3 s before the status was heard
+  CHECK_EQUAL(4'700'000'000, last_command().sent_boot_time_ns);
+  loop.person_acted();
+  loop.send(loop.commands().reset(kBoot));
+  CHECK_EQUAL(12'000'000'000, last_command().sent_boot_time_ns);
 }
 
 TEST(HostLoop, EndsWhenNothingCanBeReceived) {
@@ -265,27 +326,44 @@ TEST(HostLoop, ASeriesIsArmedFiredAndItsLostEventsFetched) {
   pass(loop, 0.1);
   runner.step();
   CHECK_TRUE(runner.finished());
-  CHECK_FALSE(runner.stop());
+  CHECK_FALSE(runner.stop("the operator"));
 }
 
-TEST(HostLoop, AStoppedSeriesIsDisarmedWithinASecondOrLeft) {
+TEST(HostLoop, AStoppedSeriesWaitsForTheDisarmsConfirmationTenSecondsAtMost) {
+  for (const bool confirmed : {true, false}) {
+    HostLoop loop(settings(true), bus, clock);
+    SeriesRunner runner(loop, {});
+    status_t status = idle_status();
+    status.state = status_t::ARMED;
+    status.arm_host_id = kHost + 1;  // whoever armed it
+    status.arm_token = 9;
+    arrive(Channel::status, status);
+    pass(loop, 0.02);
+    CHECK_TRUE(runner.stop("the operator"));
+    CHECK_FALSE(runner.stop("the operator"));
+    LONGS_EQUAL(+command_t::DISARM, last_command().kind);
+    pass(loop, 9.9);
+    runner.step();
+    CHECK_FALSE(runner.fired());  // still disarming
+    if (confirmed) arrive(Channel::status, stopped_status(100'000'000'000));
+    pass(loop, confirmed ? 0.02 : 0.2);
+    runner.step();
+    CHECK_TRUE(runner.fired());
+    CHECK_EQUAL(!confirmed, loop.disarming());
+  }
+}
+
+TEST(HostLoop, ASeriesEndsWhenThisComputerWasSuspended) {
   HostLoop loop(settings(true), bus, clock);
   SeriesRunner runner(loop, {});
-  status_t status = idle_status();
-  status.state = status_t::ARMED;
-  status.arm_host_id = kHost;
-  status.arm_token = 9;
-  arrive(Channel::status, status);
+  arrive(Channel::status, idle_status());
   pass(loop, 0.02);
-  CHECK_TRUE(runner.stop());
-  CHECK_FALSE(runner.stop());
-  LONGS_EQUAL(command_t::DISARM, last_command().kind);
-  pass(loop, 0.9);
+  clock.asleep += from_seconds(3600.0);  // overnight
+  arrive(Channel::status, idle_status());
+  pass(loop, 0.02);
   runner.step();
-  CHECK_FALSE(runner.fired());  // still disarming
-  pass(loop, 0.2);
-  runner.step();
-  CHECK_TRUE(runner.fired());
+  CHECK_TRUE(runner.series().finished());
+  STRCMP_CONTAINS("this computer was suspended", runner.series().blocking_reason().c_str());
 }
 
 TEST(HostLoop, TheLogHoldsWhatIsActedOnAndWhatWasPublishedOnceWithItsSeals) {

@@ -20,9 +20,9 @@ constexpr std::int64_t kBoot = 77;
 /// Dispatches as the firmware's interlock does, and counts what it did.
 struct Firmware {
   status_t status{};
-  int fired = 0, disarmed = 0, cleared = 0;
-  bool deaf = false;         // commands are lost
-  std::string refuses_fire;  // why
+  int fired = 0, armed = 0, reset = 0, cleared = 0;
+  bool deaf = false;                        // commands are lost
+  std::string refuses_fire, refuses_reset;  // why
 
   Firmware() {
     status.boot_id = kBoot;
@@ -32,7 +32,12 @@ struct Firmware {
   }
   void dispatch(const command_t& command, ShotSeries& series) {
     if (deaf || command.boot_id != status.boot_id) return;
-    if (command.kind == command_t::ARM && status.state == status_t::IDLE) {
+    if (command.kind == command_t::RESET) {
+      ++reset;
+      if (status.state == status_t::STOPPED && refuses_reset.empty()) status.state = status_t::IDLE;
+      if (!refuses_reset.empty()) refuse("RESET: " + refuses_reset, series);
+    } else if (command.kind == command_t::ARM && status.state == status_t::IDLE) {
+      ++armed;
       status.state = status_t::ARMED;
       status.arm_host_id = command.host_id;
       status.arm_token = 900 + command.command_id;
@@ -41,24 +46,25 @@ struct Firmware {
       status.state = status_t::IDLE;
       status.arm_host_id = status.arm_token = 0;
       if (!refuses_fire.empty()) {
-        event_t refused{};
-        refused.boot_id = status.boot_id;
-        refused.kind = event_t::REFUSED;
-        refused.sequence = ++status.last_sequence;
-        refused.detail = "FIRE: " + refuses_fire;
-        series.on_event(refused);
-        return;
+        return refuse("FIRE: " + refuses_fire, series);
       }
       ++fired;
       ++status.last_shot_id;
-    } else if (command.kind == command_t::DISARM) {
-      ++disarmed;
     } else if (command.kind == command_t::CLEAR) {
       ++cleared;
       status.state = status_t::IDLE;
       status.message.clear();
     }
   }
+  event_t event(std::int8_t kind, const std::string& detail = "") {
+    event_t event{};
+    event.boot_id = status.boot_id;
+    event.kind = kind;
+    event.sequence = ++status.last_sequence;
+    event.detail = detail;
+    return event;
+  }
+  void refuse(const std::string& why, ShotSeries& series) { series.on_event(event(event_t::REFUSED, why)); }
 };
 
 struct Play {
@@ -211,14 +217,14 @@ TEST(ShotSeriesOfAHost, SaysWhatIsMissing) {
   play.turn();
   STRCMP_CONTAINS("no firmware heard", play.series.blocking_reason().c_str());
   play.heard = true;
-  play.firmware.status.key_active = false;
+  play.firmware.status.journal_ok = false;
   play.turn();
-  CHECK_EQUAL("the key is off", play.series.blocking_reason());
-  play.firmware.status.message = "the e-stop is pressed, or its wire is broken";
+  CHECK_EQUAL("the firmware's journal cannot be written", play.series.blocking_reason());
+  play.firmware.status.message = "the journal cannot be written: disk full";
   play.turn();
-  CHECK_EQUAL("the e-stop is pressed, or its wire is broken", play.series.blocking_reason());
+  CHECK_EQUAL("the journal cannot be written: disk full", play.series.blocking_reason());
   play.firmware.status.message.clear();
-  play.firmware.status.key_active = true;
+  play.firmware.status.journal_ok = true;
   play.run(1000);
   CHECK_TRUE(play.series.succeeded());
 }
@@ -327,7 +333,7 @@ TEST(ShotSeriesOfAHost, AnEndThatWasAskedForComesAfterTheShotUnderWayEvenIfItIsR
     while (play.firmware.fired == 0) play.turn();
     CHECK_TRUE(play.series.shot_under_way());
     LONGS_EQUAL(4, play.series.shot_number());
-    play.series.end_after_shot("interrupted", play.firmware.status);
+    play.series.end_after_shot("interrupted");
     CHECK_FALSE(play.series.finished());
     play.run(1000);
     CHECK_TRUE(play.series.finished());
@@ -342,12 +348,13 @@ TEST(ShotSeriesOfAHost, GivesUpWhenNothingIsPossibleForTooLong) {
   ShotSeriesSettings settings = series(1);
   settings.blocked_timeout_s = 3.0;
   Play play(settings);
-  play.firmware.status.key_active = false;
+  play.firmware.status.journal_ok = false;
   play.run(149);
   CHECK_FALSE(play.series.finished());
   play.run(10);
   CHECK_TRUE(play.series.finished());
-  STRCMP_CONTAINS("the key is off (waited 3 s)", play.series.blocking_reason().c_str());
+  STRCMP_CONTAINS("the firmware's journal cannot be written (waited 3 s)",
+                  play.series.blocking_reason().c_str());
 }
 
 TEST(ShotSeriesOfAHost, APlanThatTheFirmwareRefusesEndsIt) {
@@ -415,26 +422,130 @@ TEST(ShotSeriesOfAHost, AShotOfAnEarlierNumberIsNotTakenForTheNewOne) {
   LONGS_EQUAL(0, play.series.good());
 }
 
-TEST(ShotSeriesOfAHost, AFirmwareStartedAnewDuringTheShotCostsARetry) {
+TEST(ShotSeriesOfAHost, AFirmwareStartedAnewEndsIt) {
   Play play(series(1, 1));
   for (int i = 0; i < 8; ++i) play.turn();
   LONGS_EQUAL(1, play.firmware.fired);
   play.firmware.status.boot_id = 78;
   play.answered = 1;  // that shot's readout never comes
   play.run(1000);
-  CHECK_TRUE(play.series.succeeded());
-  LONGS_EQUAL(2, play.firmware.fired);
-  LONGS_EQUAL(1, play.series.refired());
+  CHECK_TRUE(play.series.finished());
+  LONGS_EQUAL(1, play.firmware.fired);
+  CHECK_EQUAL("the firmware was started anew", play.series.blocking_reason());
 }
 
-TEST(ShotSeriesOfAHost, StoppingGivesTheTokenBackOrAbortsTheShot) {
+namespace {
+
+/// What a person, or a failure, does to the rig; and how its end tells of it.
+struct Stop {
+  void (*come)(status_t&);
+  const char* words;
+};
+const std::vector<Stop> kStops{
+    {[](status_t& status) { status.estop_active = true; }, "the e-stop is pressed"},
+    {[](status_t& status) { status.key_active = false; }, "the key is off"},
+    {[](status_t& status) {
+       status.state = status_t::STOPPED;
+       status.message = "stopped (disarmed by command): a person must give the command to fire anew";
+     },
+     "stopped (disarmed by command)"},
+    {[](status_t& status) { status.state = status_t::FAULT; }, "the rig has a fault"}};
+
+void all_well(status_t& status) {
+  status.state = status_t::IDLE;
+  status.estop_active = false;
+  status.key_active = true;
+  status.message.clear();
+}
+
+}  // namespace
+
+TEST(ShotSeriesOfAHost, AStopBetweenTwoShotsEndsItAndWhatReturnsStartsNothing) {
+  for (const Stop& stop : kStops) {
+    Play play(series(5, 5));
+    while (play.series.good() == 0) play.run(1), play.answer();
+    const int armed = play.firmware.armed;
+    stop.come(play.firmware.status);
+    play.turn();
+    all_well(play.firmware.status);
+    play.run(1000);
+    CHECK_TRUE(play.series.finished());
+    LONGS_EQUAL(armed, play.firmware.armed);
+    STRCMP_CONTAINS(stop.words, play.series.blocking_reason().c_str());
+  }
+}
+
+TEST(ShotSeriesOfAHost, AStopInAShotEndsItWithThatShotAndIsNoReasonToFireAgain) {
+  for (const Stop& stop : kStops) {
+    Play play(series(5, 5));
+    while (play.firmware.fired == 0) play.turn();
+    stop.come(play.firmware.status);
+    play.turn();
+    CHECK_FALSE(play.series.finished());  // the shot's end is still to be heard
+    all_well(play.firmware.status);
+    play.verdicts = {"the shot was aborted"};
+    play.run(1000);
+    CHECK_TRUE(play.series.finished());
+    LONGS_EQUAL(1, play.firmware.fired);
+    LONGS_EQUAL(0, play.series.refired());
+    STRCMP_CONTAINS(stop.words, play.series.blocking_reason().c_str());
+  }
+}
+
+TEST(ShotSeriesOfAHost, AStopThatOnlyAnEventTellsOfEndsItToo) {
+  for (const auto& [kind, detail] : {std::pair{event_t::KEY, ""}, std::pair{event_t::ESTOP, ""},
+                                     std::pair{event_t::DISARMED, "disarmed by command of 99 eve@lab2"},
+                                     std::pair{event_t::DISARMED, "the machine was suspended"}}) {
+    Play play(series(5, 5));
+    play.run(1);
+    play.series.on_event(play.firmware.event(static_cast<std::int8_t>(kind), detail));
+    play.run(1000);
+    CHECK_TRUE(play.series.finished());
+    LONGS_EQUAL(0, play.firmware.fired);
+  }
+}
+
+TEST(ShotSeriesOfAHost, BeginsNothingThatASwitchIsInTheWayOf) {
+  for (const std::size_t which : {0, 1}) {
+    Play play(series(1));
+    kStops[which].come(play.firmware.status);
+    play.turn();
+    CHECK_TRUE(play.series.finished());
+    STRCMP_CONTAINS("then give the command again", play.series.blocking_reason().c_str());
+    LONGS_EQUAL(0, play.firmware.reset);
+  }
+}
+
+TEST(ShotSeriesOfAHost, ResetsAStopFromBeforeAsAPersonHasGivenTheCommand) {
   Play play(series(1));
-  for (int i = 0; i < 8; ++i) play.turn();
-  play.series.stop(play.firmware.status);
-  for (const command_t& command : play.series.take_commands()) play.firmware.dispatch(command, play.series);
-  LONGS_EQUAL(1, play.firmware.disarmed);
+  kStops[2].come(play.firmware.status);
+  play.firmware.deaf = true;
+  play.run(40);
+  play.firmware.deaf = false;  // the first ones were lost
+  play.run(20);
+  LONGS_EQUAL(1, play.firmware.reset);
+  play.firmware.status.message.clear();
+  play.run(1000);
+  CHECK_TRUE(play.series.succeeded());
+}
+
+TEST(ShotSeriesOfAHost, GivesUpWhereTheResetIsRefused) {
+  Play play(series(1));
+  kStops[2].come(play.firmware.status);
+  play.firmware.refuses_reset = "a stop, or a switch's return, came after it was asked for: ask anew";
+  play.run(100);
   CHECK_TRUE(play.series.finished());
-  CHECK_FALSE(play.series.succeeded());
+  STRCMP_CONTAINS("refused: RESET: a stop", play.series.blocking_reason().c_str());
+}
+
+TEST(ShotSeriesOfAHost, WantsADisarmWhereItEndsWhileItArms) {
+  Play play(series(1));
+  play.firmware.deaf = true;
+  play.run(20);
+  CHECK_FALSE(play.series.take_disarm());
+  play.series.end_after_shot("interrupted");
+  CHECK_TRUE(play.series.take_disarm());
+  CHECK_FALSE(play.series.take_disarm());
 }
 
 TEST(ShotSeriesOfAHost, EndsWhenAnotherHostDisarmsWhatItHasArmed) {

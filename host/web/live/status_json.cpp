@@ -23,6 +23,8 @@ std::string_view state_of(const LiveStatus& live) {
       return "firing";
     case status_t::SPENT:
       return "spent";
+    case status_t::STOPPED:
+      return "stopped";
     default:
       return "fault";  // also a later firmware's, of which nothing is known
   }

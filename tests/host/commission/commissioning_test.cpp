@@ -337,15 +337,47 @@ TEST(Commissioning, SaysWhyNothingCanBeFired) {
   LONGS_EQUAL(0, bus.commands.size());
 }
 
+TEST(Commissioning, BeginsNoStepAfterAStopWhereNobodySaysYesAnew) {
+  status.key_active = false;
+  add("lamp", {.outputs = true});
+  add("next", {.outputs = true});
+  begin();
+  for (int i = 0; i < 20; ++i) {
+    tell_status();
+    turn(10);
+    status.key_active = true;  // and so the rig is well again
+  }
+  CHECK_EQUAL("lamp failed", joined(told.results));
+  CHECK_TRUE(commissioning->stopped());
+  LONGS_EQUAL(0, scripted[1]->begun);
+}
+
+TEST(Commissioning, AYesResetsTheStopsFromBeforeIt) {
+  settings.attended = true;
+  add("lamp", {.outputs = true});
+  begin();
+  status.state = status_t::STOPPED;
+  tell_status();
+  turn(500);  // ten seconds before the operator says yes
+  const std::int64_t yes_ns = clock.now.count();
+  commissioning->answer(Answer::yes);
+  tell_status();
+  turn(2);
+  LONGS_EQUAL(+command_t::RESET, last_command().kind);
+  CHECK(last_command().sent_boot_time_ns <= yes_ns);
+  CHECK(last_command().sent_boot_time_ns > yes_ns - 1'000'000'000);
+}
+
 TEST(Commissioning, DisarmsWhereItIsStopped) {
   add("lamp", {.outputs = true});
   begin();
   turn(2);
   give_token();
-  commissioning->stop();
+  commissioning->stop("the operator");
   LONGS_EQUAL(+command_t::DISARM, last_command().kind);
   CHECK_FALSE(commissioning->finished());
-  status.state = status_t::SPENT;
+  status.state = status_t::STOPPED;
+  status.boot_time_ns += 60'000'000'000;
   tell_status();
   turn(2);
   CHECK_TRUE(commissioning->finished());

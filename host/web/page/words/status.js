@@ -9,6 +9,7 @@ const STATES = {
   armed: { text: "ARMED", level: "caution" },
   firing: { text: "FIRING", level: "caution" },
   spent: { text: "spent, to be armed anew", level: "plain" },
+  stopped: { text: "STOPPED", level: "caution" },
   fault: { text: "FAULT", level: "danger" },
 };
 const KEY = { on: { text: "on", level: "caution" }, off: { text: "OFF", level: "plain" } };
