@@ -69,6 +69,10 @@ void read_line(TomlTable& lines, Line which, bool required, Rig& rig) {
     table.error_at("line", table.has("line") ? "must be an offset or a name in quotes" : "is missing");
   }
   line.active_low = table.boolean_or("active_low", false);
+  if (line.active_low && is_output(which))
+    table.error_at("active_low",
+                   "must not be true for an output: while strobed does not drive it, the resistor to ground "
+                   "would hold it active; invert it after the resistor, by the opto-coupler or relay driver");
   read_bias(table, which, line);
 }
 

@@ -105,6 +105,19 @@ TEST(RigFile, RefusesABiasThatLetsABrokenWirePassOrThatAnOutputCannotHave) {
   STRCMP_CONTAINS("lines.gate.bias", with("GATE", "up").c_str());
 }
 
+TEST(RigFile, RefusesOutputsThatWouldBeActiveWhileNobodyDrivesThem) {
+  for (const std::string line : {"STROBE_A", "STROBE_B", "SHUTTER", "TRIGGER"}) {
+    const std::string bad = replaced(text, "\"" + line + "\"", "\"" + line + "\", active_low = true");
+    std::string key = line;
+    for (char& letter : key) letter = static_cast<char>(std::tolower(letter));
+    CHECK_EQUAL(
+        "rig.toml:" + line_of(bad, "\"" + line + "\", active_low") + ": lines." + key +
+            ".active_low: must not be true for an output: while strobed does not drive it, the resistor to "
+            "ground would hold it active; invert it after the resistor, by the opto-coupler or relay driver",
+        error_of(bad));
+  }
+}
+
 TEST(RigFile, ReadsEveryNumberIntoItsPlace) {
   const std::array<std::array<const char*, 2>, 22> rows{
       {{"pulse_us = 50", "pulse_us = 51"},
@@ -169,12 +182,11 @@ TEST(RigFile, KeepsTheRecordAsShortText) {
 }
 
 TEST(RigFile, TakesLinesByOffsetAndLeavesTheOptionalOnesOut) {
-  text = replaced(text, "strobe_a = { line = \"STROBE_A\" }", "strobe_a = { line = 17, active_low = true }");
+  text = replaced(text, "strobe_a = { line = \"STROBE_A\" }", "strobe_a = { line = 17, active_low = false }");
   text = replaced(text, "sensor_b = { line = \"SENSOR_B\" }\n", "");
   text = replaced(text, "gate     = ", "# gate     = ");
   const auto rig = read_rig(text, "rig.toml");
   CHECK_EQUAL(17, rig->line(Line::strobe_a).offset);
-  CHECK_TRUE(rig->line(Line::strobe_a).active_low);
   CHECK_FALSE(rig->line(Line::sensor_b).fitted);
   CHECK_FALSE(rig->line(Line::gate).fitted || rig->line(Line::gate).active_low);
 }
@@ -232,7 +244,7 @@ TEST(RigFile, NamesFileLineAndKeyOfEveryMistake) {
       {"name = \"gpiochip0\"", "name = 0", "chip.name: must be text in quotes"},
       {"trigger  = { line = \"TRIGGER\" }", "trigger = { line = 2.5 }",
        "lines.trigger.line: must be an offset or a name in quotes"},
-      {"trigger  = { line = \"TRIGGER\" }", "trigger = { active_low = true }",
+      {"trigger  = { line = \"TRIGGER\" }", "trigger = { active_low = false }",
        "lines.trigger.line: is missing"},
       {"trigger  = { line = \"TRIGGER\" }", "trigger = \"TRIGGER\"", "lines.trigger: must be a table"},
       {"trigger  = { line = \"TRIGGER\" }", "trigger = { line = \"SHUTTER\" }",
