@@ -17,7 +17,7 @@
 #include "firmware/alarm.hpp"
 #include "firmware/check.hpp"
 #include "firmware/core/rig_file.hpp"
-#include "firmware/linux/gpio_lines.hpp"
+#include "firmware/linux/gpio_outputs.hpp"
 #include "firmware/worker.hpp"
 
 namespace {
@@ -155,7 +155,9 @@ int run(int argc, char** argv) {
     alarm->tell(message);
   };
   return run_guardian(
-      *rig, [&](SharedStatus& page) { return run_worker(*rig, options, page); }, tell);
+      *rig,
+      [&](SharedStatus& page, GpioOutputs& outputs) { return run_worker(*rig, options, page, outputs); },
+      tell);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "firmware/worker.hpp"
 
-#include <pthread.h>
 #include <sched.h>
 #include <unistd.h>
 
@@ -8,6 +7,7 @@
 #include <csignal>
 #include <functional>
 #include <future>
+#include <memory>
 #include <stdexcept>
 #include <thread>
 
@@ -15,7 +15,8 @@
 #include "firmware/core/sequencer.hpp"
 #include "firmware/linux/console.hpp"
 #include "firmware/linux/event_fd.hpp"
-#include "firmware/linux/gpio_lines.hpp"
+#include "firmware/linux/gpio_inputs.hpp"
+#include "firmware/linux/gpio_outputs.hpp"
 #include "firmware/linux/real_time.hpp"
 #include "firmware/linux/signals.hpp"
 #include "firmware/linux/system_clock.hpp"
@@ -31,11 +32,6 @@ namespace strobe::firmware {
 
 namespace {
 
-int give_up(Console& console, const std::string& why) {
-  console.say(why);
-  return kExitBadInput;
-}
-
 std::string no_lcm(const std::string& url) {
   return "LCM cannot use \"" + url + "\": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)";
 }
@@ -46,35 +42,52 @@ std::string joined(const std::vector<std::string>& faults) {
   return all;
 }
 
-#ifdef __SANITIZE_THREAD__
-constexpr std::size_t kStack_bytes = std::size_t{8} << 20;  // the sanitizer keeps its own state there
-#else
-constexpr std::size_t kStack_bytes = std::size_t{512} << 10;
-#endif
-
-void use_small_stacks() {
-  // With locked memory every page of every stack is resident; LCM's threads, too, come with the default size.
-  pthread_attr_t attributes;
-  pthread_attr_init(&attributes);
-  pthread_attr_setstacksize(&attributes, kStack_bytes);
-  pthread_setattr_default_np(&attributes);
-  pthread_attr_destroy(&attributes);
-}
-
 void wait_for_stop_signal() {
   const sigset_t set = worker_stop_signals();
   int signal = 0;
   sigwait(&set, &signal);
 }
 
+/// Tells the guardian before an output can become active, in whichever turn that is.
+class ToldOutputs final : public OutputLines {
+ public:
+  ToldOutputs(GpioOutputs& outputs, SharedStatus& page) : outputs_(outputs), page_(page) {}
+  bool set(Output output, bool active) noexcept override {
+    if (active) page_.shot_under_way = true;
+    return outputs_.set(output, active);
+  }
+  bool set_lamps(Lamps lamps) noexcept override {
+    page_.shot_under_way = true;
+    return outputs_.set_lamps(lamps);
+  }
+
+ private:
+  GpioOutputs& outputs_;
+  SharedStatus& page_;
+};
+
+/// Wakes the loop when the guardian dies. For good: it waits as long as the process lasts.
+void watch_guardian(SharedStatus& page, std::shared_ptr<EventFd> wake, int priority) {
+  std::thread([&page, wake = std::move(wake), priority] {
+    become_real_time(priority);
+    if (!page.guardian.wait_for_death()) return;
+    page.guardian_died = true;
+    wake->wake();
+  }).detach();
+}
+
 /// The real-time thread: set up before the first turn, ended by stop(), or by itself when it can no longer
 /// keep the outputs safe: then the process gets the stop signal.
 class LoopThread {
  public:
-  LoopThread(Sequencer& sequencer, GpioLines& lines, const Rig::RealTime& wanted, SharedStatus& page,
+  LoopThread(Sequencer& sequencer, GpioOutputs& outputs, const Rig::RealTime& wanted, SharedStatus& page,
              EventFd& wake, Console& console)
-      : sequencer_(sequencer), lines_(lines), page_(page), wake_(wake), console_(console) {
-    thread_ = std::thread([this, wanted] { run(wanted); });
+      : sequencer_(sequencer), outputs_(outputs), page_(page), wake_(wake), console_(console) {
+    thread_ = std::thread([this, wanted] {
+      page_.loop.hold();
+      run(wanted);
+      page_.loop.let_go();
+    });
   }
   /// Never started: ends without having touched an output.
   ~LoopThread() {
@@ -121,21 +134,22 @@ class LoopThread {
   const char* turn() noexcept {
     page_.loop_cpu.store(sched_getcpu(), std::memory_order_relaxed);
     page_.loop_heartbeat_ns.store(to_ns(clock_.now()), std::memory_order_relaxed);
+    page_.shot_under_way.store(sequencer_.state() == State::firing, std::memory_order_relaxed);
     while (hang_) pause();
-    if (lose_outputs_.exchange(false, std::memory_order_relaxed)) lines_.release_outputs();
+    if (lose_outputs_.exchange(false, std::memory_order_relaxed)) outputs_.release();
     if (const char* fault = guardian_fault()) return fault;
     return sequencer_.step(kNoDeadline) ? nullptr : kNoSwitchingOff;
   }
 
   /// Without a guardian nobody would make the outputs safe if this process died.
   const char* guardian_fault() const noexcept {
-    if (getppid() != guardian_) return "the guardian died";
+    if (page_.guardian_died || getppid() != guardian_) return "the guardian died";
     const MonoTime turned = std::max(started_, from_ns(page_.guardian_heartbeat_ns));
     return clock_.now() - turned > kGuardianTimeout ? "the guardian hangs" : nullptr;
   }
 
   void let_go() noexcept {
-    lines_.release_outputs();
+    outputs_.release();
     page_.lines_released = true;
     page_.notify();
   }
@@ -143,7 +157,7 @@ class LoopThread {
   static constexpr const char* kNoSwitchingOff = "an output could not be switched off";
 
   Sequencer& sequencer_;
-  GpioLines& lines_;
+  GpioOutputs& outputs_;
   SharedStatus& page_;
   EventFd& wake_;
   Console& console_;
@@ -173,29 +187,29 @@ std::function<void()> drill(const std::string& name, LoopThread& loop) {
 
 }  // namespace
 
-int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
-  use_small_stacks();
+int run_worker(const Rig& rig, const Options& options, SharedStatus& page, GpioOutputs& outputs) {
   keep_memory();
   // What the journal's disk and the network complete in the kernel would come to the CPU that asked for it.
   exclude_cpu(rig.real_time.cpu);
   Console console;
-  EventFd loop_wake;
+  const auto shared_wake = std::make_shared<EventFd>();
+  EventFd& loop_wake = *shared_wake;
   EventFd publisher_wake;
-  auto lines = GpioLines::open(rig, loop_wake.fd());
-  if (!lines) return give_up(console, lines.error().message);
-  page.lines_taken = true;
-  for (const std::string& warning : (*lines)->warnings()) console.say("warning: " + warning);
-  // Taken inactive; only the loop sets them, so until it starts there is nothing for the guardian to do.
-  const auto give_up_safely = [&page, &console](const std::string& why) {
+  // The outputs were taken inactive; only the loop sets them, so until it starts there is nothing to make safe.
+  const auto give_up = [&page, &console](const std::string& why) {
     page.outputs_safe = true;
-    return give_up(console, why);
+    console.say(why);
+    return kExitBadInput;
   };
+  auto inputs = GpioInputs::open(rig, loop_wake.fd());
+  if (!inputs) return give_up(inputs.error().message);
+  for (const std::string& warning : (*inputs)->warnings()) console.say("warning: " + warning);
 
   lcm::LCM lcm(options.lcm_url);
-  if (!lcm.good()) return give_up_safely(no_lcm(options.lcm_url));
+  if (!lcm.good()) return give_up(no_lcm(options.lcm_url));
   const auto commands_in =
       CommandFeed::open(options.lcm_url, messages::channel_name(rig.name, messages::Channel::command));
-  if (!commands_in) return give_up_safely(commands_in.error().message);
+  if (!commands_in) return give_up(commands_in.error().message);
   const std::int64_t boot_id = random_id();
   page.boot_id = boot_id;
   LcmBus network(lcm);
@@ -210,23 +224,24 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
   // Before the loop runs: with none set aside it refuses shots until the publisher could.
   if (auto done = numbers.set_aside(numbers.last_before()); !done) console.say(done.error().message);
   queue.set_shot_id_limit(numbers.limit());
-  Sequencer sequencer(rig, {clock, **lines, **lines, queue, commands}, numbers.last_before(),
+  ToldOutputs told_outputs(outputs, page);
+  Sequencer sequencer(rig, {clock, told_outputs, **inputs, queue, commands}, numbers.last_before(),
                       find_tick(rig.real_time));
 
   std::vector<std::string> faults;
   if (std::string fault = lock_memory(); !fault.empty()) faults.push_back(std::move(fault));
   const LatencyRequest latency;
-  LoopThread loop(sequencer, **lines, rig.real_time, page, loop_wake, console);
+  LoopThread loop(sequencer, outputs, rig.real_time, page, loop_wake, console);
   for (std::string& fault : loop.set_up()) faults.push_back(std::move(fault));
   if (!faults.empty() && !options.allow_no_rt) {
-    return give_up_safely("no real-time rights: " + joined(faults) +
-                          "; or start with --allow-no-rt and worse timing");
+    return give_up("no real-time rights: " + joined(faults) +
+                   "; or start with --allow-no-rt and worse timing");
   }
   if (!latency.fault().empty()) faults.push_back(latency.fault());
   for (const std::string& fault : faults) console.say("warning: " + fault);
 
   auto journal = Journal::create(options.session, boot_id);
-  if (!journal) return give_up_safely(journal.error().message);
+  if (!journal) return give_up(journal.error().message);
   const auto say = [&console](const std::string& line) { console.say(line); };
   Rejections rejections(clock, say);
   PublisherSettings settings;
@@ -252,6 +267,7 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
       [&receiver](std::span<const std::uint8_t> sealed) { receiver.receive(sealed); },
       [&rejections] { rejections.note(authentication::Rejection::oversized); },
       [&rejections] { rejections.turn(); }};
+  watch_guardian(page, shared_wake, rig.real_time.priority + 1);
   loop.start(ShortText("strobed " STROBE_VERSION)
                  .append(settings.real_time ? ", real time" : ", without all real-time rights"));
   // noexcept: an exception ends the process here and now, and the guardian makes the outputs safe.
@@ -260,8 +276,10 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
   std::jthread receiving(
       [&](const std::stop_token& stop) noexcept { (*commands_in)->run(stop, on_command); });
 
+  become_real_time(rig.real_time.priority + 1);  // however busy the machine: a stop is at once
   wait_for_stop_signal();
   const bool well = loop.stop();
+  become_ordinary();
   receiving.request_stop();
   receiving.join();
   publishing.request_stop();

@@ -1,4 +1,4 @@
-// The worker process: takes the lines, runs the loop, the publisher and the receiver, ends them in order.
+// The worker process: takes the inputs, runs the loop, the publisher and the receiver, ends them in order.
 #pragma once
 
 #include "firmware/core/rig.hpp"
@@ -9,6 +9,6 @@ namespace strobe::firmware {
 
 /// Runs until a stop signal and returns 0, or 1 if the outputs could not be made safe. Returns 2 at once,
 /// with one line on stderr, if something is missing.
-int run_worker(const Rig& rig, const Options& options, SharedStatus& page);
+int run_worker(const Rig& rig, const Options& options, SharedStatus& page, GpioOutputs& outputs);
 
 }  // namespace strobe::firmware

@@ -17,11 +17,6 @@
 
 namespace strobe::firmware {
 
-struct OutputLineSpec {
-  unsigned offset = 0;
-  bool active_low = false;
-};
-
 struct InputLineSpec {
   unsigned offset = 0;
   bool active_low = false;
@@ -32,13 +27,14 @@ struct InputLineSpec {
 /// Why lines could not be requested.
 struct RequestFailure {
   int error = 0;         ///< as errno
-  std::size_t line = 0;  ///< of the specs, the one that is to blame as far as that can be known
+  std::size_t line = 0;  ///< of those asked for, the one that is to blame as far as that can be known
 };
 
-/// Output lines, held until destruction, which leaves them as they are.
+/// Output lines, held until destruction, which leaves them as they are; active is high. A fork shares them: they are
+/// held as long as one of the processes holds them.
 class OutputRequest {
  public:
-  /// One level for each line, in one system call. Returns false if it failed. Real-time safe.
+  /// One level for each line, in one system call. Returns false if it failed. Real-time safe and async-signal-safe.
   bool set(std::span<const bool> active) noexcept;
 
   OutputRequest(OutputRequest&&) noexcept;
@@ -100,8 +96,8 @@ class GpioChip {
   /// What the kernel was asked for with the line's request; it tells so even of a chip that has no such resistor.
   Bias bias_of(unsigned offset) const;
 
-  /// Drives the lines inactive from the very start. At least one line, at most 64.
-  tl::expected<OutputRequest, RequestFailure> request_outputs(std::span<const OutputLineSpec> lines);
+  /// Drives the lines, by offset, low from the very start. At least one line, at most 64.
+  tl::expected<OutputRequest, RequestFailure> request_outputs(std::span<const unsigned> offsets);
   tl::expected<InputRequest, RequestFailure> request_inputs(std::span<const InputLineSpec> lines);
 
  private:

@@ -79,8 +79,6 @@ struct OutputRequest::Impl {
   ~Impl() { gpiod_line_release_bulk(&bulk); }
 
   gpiod_line_bulk bulk = GPIOD_LINE_BULK_INITIALIZER;
-  // A v1 request has one active-low flag for all its lines, so levels are inverted here and not in the kernel.
-  std::array<bool, GPIOD_LINE_BULK_MAX_LINES> active_low{};
 };
 
 OutputRequest::OutputRequest(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -88,26 +86,24 @@ OutputRequest::OutputRequest(OutputRequest&&) noexcept = default;
 OutputRequest& OutputRequest::operator=(OutputRequest&&) noexcept = default;
 OutputRequest::~OutputRequest() = default;
 
-tl::expected<OutputRequest, RequestFailure> GpioChip::request_outputs(std::span<const OutputLineSpec> lines) {
+tl::expected<OutputRequest, RequestFailure> GpioChip::request_outputs(std::span<const unsigned> offsets) {
   gpiod_line_bulk bulk = GPIOD_LINE_BULK_INITIALIZER;
-  std::array<int, GPIOD_LINE_BULK_MAX_LINES> inactive{};
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    gpiod_line* line = gpiod_chip_get_line(impl_->chip.get(), lines[i].offset);
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    gpiod_line* line = gpiod_chip_get_line(impl_->chip.get(), offsets[i]);
     if (line == nullptr) return tl::unexpected(RequestFailure{errno, i});
     gpiod_line_bulk_add(&bulk, line);
-    inactive[i] = lines[i].active_low ? 1 : 0;
   }
-  if (gpiod_line_request_bulk_output(&bulk, kConsumer, inactive.data()) != 0)
+  constexpr std::array<int, GPIOD_LINE_BULK_MAX_LINES> kInactive{};
+  if (gpiod_line_request_bulk_output(&bulk, kConsumer, kInactive.data()) != 0)
     return tl::unexpected(RequestFailure{errno, 0});
   auto impl = std::make_unique<OutputRequest::Impl>();
   impl->bulk = bulk;
-  for (std::size_t i = 0; i < lines.size(); ++i) impl->active_low[i] = lines[i].active_low;
   return OutputRequest(std::move(impl));
 }
 
 bool OutputRequest::set(std::span<const bool> active) noexcept {
   std::array<int, GPIOD_LINE_BULK_MAX_LINES> levels;
-  for (std::size_t i = 0; i < active.size(); ++i) levels[i] = active[i] != impl_->active_low[i] ? 1 : 0;
+  std::copy(active.begin(), active.end(), levels.begin());
   return gpiod_line_set_value_bulk(&impl_->bulk, levels.data()) == 0;
 }
 

@@ -127,12 +127,11 @@ struct GpioChip::Impl {
   unsigned line_count = 0;
 
   /// A request is granted as a whole: the blame is on the first line that somebody else uses.
-  template <typename Spec>
-  RequestFailure failure(const GpioChip& owner, int error, std::span<const Spec> lines) const {
+  static RequestFailure failure(const GpioChip& owner, int error, std::span<const unsigned> offsets) {
     if (error != EBUSY) return {error, 0};
-    const auto used = std::find_if(lines.begin(), lines.end(),
-                                   [&](const Spec& line) { return owner.user_of(line.offset).has_value(); });
-    return {error, used == lines.end() ? 0 : static_cast<std::size_t>(used - lines.begin())};
+    const auto used = std::find_if(offsets.begin(), offsets.end(),
+                                   [&](unsigned offset) { return owner.user_of(offset).has_value(); });
+    return {error, used == offsets.end() ? 0 : static_cast<std::size_t>(used - offsets.begin())};
   }
 };
 
@@ -191,18 +190,17 @@ OutputRequest::OutputRequest(OutputRequest&&) noexcept = default;
 OutputRequest& OutputRequest::operator=(OutputRequest&&) noexcept = default;
 OutputRequest::~OutputRequest() = default;
 
-tl::expected<OutputRequest, RequestFailure> GpioChip::request_outputs(std::span<const OutputLineSpec> lines) {
+tl::expected<OutputRequest, RequestFailure> GpioChip::request_outputs(std::span<const unsigned> offsets) {
   Configuration configuration;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
     gpiod_line_settings* settings = configuration.settings();
     if (settings == nullptr) return tl::unexpected(RequestFailure{ENOMEM, i});
     gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_OUTPUT);
-    gpiod_line_settings_set_active_low(settings, lines[i].active_low);
     gpiod_line_settings_set_output_value(settings, GPIOD_LINE_VALUE_INACTIVE);
-    if (!configuration.add(lines[i].offset)) return tl::unexpected(RequestFailure{errno, i});
+    if (!configuration.add(offsets[i])) return tl::unexpected(RequestFailure{errno, i});
   }
   Request request = configuration.request(impl_->chip.get(), 0);
-  if (!request) return tl::unexpected(impl_->failure(*this, errno, lines));
+  if (!request) return tl::unexpected(impl_->failure(*this, errno, offsets));
   return OutputRequest(std::make_unique<OutputRequest::Impl>(OutputRequest::Impl{std::move(request)}));
 }
 
@@ -249,7 +247,7 @@ tl::expected<InputRequest, RequestFailure> GpioChip::request_inputs(std::span<co
   impl->events.reset(gpiod_edge_event_buffer_new(kEventsRead));
   if (!impl->events) return tl::unexpected(RequestFailure{ENOMEM, 0});
   impl->request = configuration.request(impl_->chip.get(), kKernelBuffer);
-  if (!impl->request) return tl::unexpected(impl_->failure(*this, errno, lines));
+  if (!impl->request) return tl::unexpected(impl_->failure(*this, errno, impl->offsets));
   impl->descriptor = gpiod_line_request_get_fd(impl->request.get());
   return InputRequest(std::move(impl));
 }

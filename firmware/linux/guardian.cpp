@@ -10,17 +10,20 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <mutex>
 #include <new>
 #include <optional>
 #include <string>
+#include <system_error>
+#include <thread>
 
 #include "common/messages/danger.hpp"
 #include "firmware/linux/console.hpp"
-#include "firmware/linux/gpio_lines.hpp"
 #include "firmware/linux/real_time.hpp"
 #include "firmware/linux/service_notify.hpp"
 #include "firmware/linux/signals.hpp"
@@ -39,40 +42,42 @@ constexpr Duration kTimeToStop = milliseconds(15'000);  // a slow disk may keep 
 // for a worker that was asked to stop since its publisher hangs
 constexpr Duration kGrace = milliseconds(1000);
 
-[[noreturn]] void become_worker(pid_t guardian, const std::function<int(SharedStatus&)>& work,
-                                SharedStatus& page) {
-  set_worker_signal_policy();
+GpioOutputs* outputs_at_fault = nullptr;
+
+[[noreturn]] void become_worker(pid_t guardian, const Work& work, SharedStatus& page, GpioOutputs& outputs) {
+  outputs_at_fault = &outputs;
+  set_worker_signal_policy([] { outputs_at_fault->make_inactive(); });
   setsid();  // no signal to a terminal's or a shell's group reaches both
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != guardian) _exit(kExitFailed);
   // A core dump of locked memory would take seconds, with the outputs as they are.
   prctl(PR_SET_DUMPABLE, 0);
-  const int status = work(page);
+  const int status = work(page, outputs);
   std::fflush(nullptr);
   _exit(status);
 }
 
 class Guardian {
  public:
-  Guardian(const Rig& rig, pid_t worker, SharedStatus& page, const TellDanger& tell)
+  Guardian(const Rig& rig, pid_t worker, SharedStatus& page, GpioOutputs& outputs, const TellDanger& tell)
       : rig_(rig),
         worker_(worker),
         page_(page),
+        outputs_(outputs),
         tell_(tell),
         service_(ServiceNotify::from_environment()),
         watchdog_(Watchdog::publisher_timeout_for(service_.watchdog())) {}
 
   int run() {
-    // What is wrong with the chip or the rights is the worker's to tell.
-    if (auto prepared = OutputTakeover::prepare(rig_)) takeover_.emplace(std::move(*prepared));
-    lock_memory();
+    lock_memory();  // what is wrong with the rights is the worker's to tell
     real_time_ = become_real_time(rig_.real_time.priority + 1).empty();
     sched_getaffinity(0, sizeof anywhere_, &anywhere_);
     prefault_stack();
     watch();
-    if (page_.lines_taken && !page_.outputs_safe && !(safe_ && *safe_)) make_safe();
+    if (!page_.outputs_safe) make_safe();
     int status = 0;
     while (waitpid(worker_, &status, 0) < 0 && errno == EINTR) continue;
+    if (loop_watch_.joinable()) loop_watch_.join();
     const int ended = report(status);
     if (safe_ && !*safe_) sound_alarm(cause(status));
     return ended;
@@ -118,33 +123,67 @@ class Guardian {
   void handle_notification() {
     std::uint64_t rings = 0;
     if (read(page_.event_fd, &rings, sizeof rings) < 0) return;
+    if (loop_died_) kill(worker_, SIGKILL);  // should it have been that thread alone
     if (page_.lines_released && !safe_) {
       make_safe();
       if (!known(kill_at_)) kill_at_ = clock_.now() + kTimeToStop;
     }
     if (page_.ready && !said_ready_) {
       said_ready_ = true;
+      start_loop_watch();
       service_.say("READY=1\nSTATUS=ready");
     }
+  }
+
+  /// At the guardian's priority. Without such a thread the loop's death shows when its process is gone.
+  void start_loop_watch() {
+    try {
+      loop_watch_ = std::thread([this] { watch_loop(); });
+    } catch (const std::system_error&) {
+    }
+  }
+
+  void watch_loop() {
+    sched_setaffinity(0, sizeof anywhere_, &anywhere_);
+    if (!page_.loop.wait_for_death()) return;
+    set_inactive();
+    loop_died_ = true;
+    page_.notify();
   }
 
   void watch_for_hangs() {
     const MonoTime now = clock_.now();
     if (known(kill_at_) && now > kill_at_) kill(worker_, SIGKILL);
-    const Heartbeats marks{from_ns(page_.loop_heartbeat_ns), from_ns(page_.publisher_heartbeat_ns)};
+    const Heartbeats marks{from_ns(page_.loop_heartbeat_ns), from_ns(page_.publisher_heartbeat_ns),
+                           page_.shot_under_way};
     // A worker that stops, or whose loop had to end, turns no more.
     const bool watched = !page_.outputs_safe && !page_.lines_released;
     const Watchdog::Verdict verdict =
         watched ? watchdog_.check(marks, now, current_core_ >= 0) : Watchdog::Verdict::healthy;
     move_to_loop_core(watched && real_time_ && watchdog_.suspect() ? page_.loop_cpu.load() : kAnywhere);
+    tell_of_standstill(verdict == Watchdog::Verdict::loop_stands_still, marks.loop, now);
     if (verdict == Watchdog::Verdict::healthy) return beat(now);
+    if (verdict != Watchdog::Verdict::loop_stands_still) end_hung_worker(verdict, now);
+  }
+
+  void end_hung_worker(Watchdog::Verdict verdict, MonoTime now) {
     if (hung_ != Watchdog::Verdict::healthy) return;
     hung_ = verdict;
     const bool loop = verdict == Watchdog::Verdict::loop_hung;
     kill_at_ = now + kGrace;
     kill(worker_, loop ? SIGKILL : SIGTERM);
-    // Its lines are free once it is dead, but word of that may not come: a debugger that stands still keeps it.
-    if (loop && page_.lines_taken) make_safe();
+    if (loop) make_safe();  // word of its death may not come: a debugger that stands still keeps it
+  }
+
+  /// A loop without a shot is waited for: a hung one is the service manager's to end.
+  void tell_of_standstill(bool stands_still, MonoTime last_turn, MonoTime now) {
+    if (stands_still == known(still_since_)) return;
+    std::string words = "the loop stands still, no shot is under way: waiting for it";
+    if (!stands_still)
+      words = "the loop turns again after " + std::to_string((now - still_since_) / milliseconds(1)) + " ms";
+    still_since_ = stands_still ? last_turn : kNoTime;
+    console_.say(words);
+    service_.say("STATUS=" + (stands_still ? words : "ready"));
   }
 
   /// On the core that the loop ran on last: what keeps the loop from turning there keeps the guardian, too,
@@ -169,29 +208,33 @@ class Guardian {
            info.si_pid != 0;
   }
 
+  bool set_inactive() {
+    const std::lock_guard lock(setting_);
+    return outputs_.make_inactive();
+  }
+
+  /// By the lines that the guardian holds; where they are dead, as of a chip that was plugged in again, by new ones.
   void make_safe() {
-    const MonoTime noticed = clock_.now();
-    safe_.emplace([this]() -> Result<void> {
-      if (!takeover_) {
-        auto prepared = OutputTakeover::prepare(rig_);
-        if (!prepared) return tl::unexpected(prepared.error());
-        takeover_.emplace(std::move(*prepared));
-      }
-      return takeover_->drive_inactive(kPatience);
-    }());
-    took_ = clock_.now() - noticed;
+    if (set_inactive()) {
+      safe_.emplace();
+      return;
+    }
+    const std::lock_guard lock(setting_);
+    outputs_.release();
+    auto takeover = OutputTakeover::prepare(rig_);
+    safe_.emplace(takeover ? takeover->drive_inactive(kPatience)
+                           : Result<void>(tl::unexpected(takeover.error())));
   }
 
   /// The workstations hear it, several times as some may get lost. By a process of its own, without the lines: whoever
   /// started strobed waits for its end to try the outputs once more (--safe).
   void sound_alarm(const std::string& cause) {
     if (fork() != 0) return;
-    takeover_.reset();
+    outputs_.release();
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);  // systemd may end it at once
-    const sched_param ordinary{};
-    sched_setscheduler(0, SCHED_OTHER, &ordinary);
+    become_ordinary();
     const std::string words = std::string(messages::kDangerWords) +
                               ": press the e-stop, and cut the power of lamps and machine: " + cause + "; " +
                               safe_->error().message;
@@ -211,17 +254,17 @@ class Guardian {
            strsignal(WTERMSIG(status)) + ")";
   }
 
-  int report(int status) const {
+  int report(int status) {
     if (WIFEXITED(status) && !safe_ && hung_ == Watchdog::Verdict::healthy) return WEXITSTATUS(status);
     std::string words = cause(status) + "; ";
     if (!safe_) {
-      words += page_.outputs_safe ? "it had made the outputs inactive" : "it had no outputs";
+      words += "it had made the outputs inactive";
     } else if (*safe_) {
-      words += "the guardian made the outputs inactive in " + std::to_string(took_ / microseconds(1)) + " us";
+      words += "the guardian made the outputs inactive";
     } else {
       words += std::string(messages::kDangerWords) + ": " + safe_->error().message;
     }
-    Console().say(words);
+    console_.say(words);
     service_.say("STATUS=" + words);
     return kExitFailed;
   }
@@ -229,15 +272,19 @@ class Guardian {
   const Rig& rig_;
   pid_t worker_;
   SharedStatus& page_;
+  GpioOutputs& outputs_;
   const TellDanger& tell_;
+  Console console_;  // before real-time priority, which its thread is not to have
   SystemClock clock_;
   ServiceNotify service_;
   Watchdog watchdog_;
-  std::optional<OutputTakeover> takeover_;
+  std::mutex setting_;                ///< of the outputs
   std::optional<Result<void>> safe_;  ///< once it was tried to make the outputs safe
-  Duration took_{};
+  std::thread loop_watch_;
+  std::atomic<bool> loop_died_{false};
   Watchdog::Verdict hung_ = Watchdog::Verdict::healthy;
-  MonoTime kill_at_ = kNoTime;  ///< however well it seems
+  MonoTime kill_at_ = kNoTime;      ///< however well it seems
+  MonoTime still_since_ = kNoTime;  ///< the loop's last turn, if it stands still
   MonoTime next_beat_{};
   bool real_time_ = false;
   cpu_set_t anywhere_{};
@@ -247,7 +294,7 @@ class Guardian {
 
 }  // namespace
 
-int run_guardian(const Rig& rig, const std::function<int(SharedStatus&)>& work, const TellDanger& tell) {
+int run_guardian(const Rig& rig, const Work& work, const TellDanger& tell) {
   void* memory =
       mmap(nullptr, sizeof(SharedStatus), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) {
@@ -257,14 +304,21 @@ int run_guardian(const Rig& rig, const std::function<int(SharedStatus&)>& work, 
   auto* page = new (memory) SharedStatus;
   page->event_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   set_signal_policy();
+  auto outputs = GpioOutputs::open(rig);
+  if (!outputs) {
+    std::fprintf(stderr, "strobed: %s\n", outputs.error().message.c_str());
+    return kExitBadInput;
+  }
+  use_small_stacks();
+  page->guardian.hold();
   const pid_t guardian = getpid();
   const pid_t worker = fork();
   if (worker < 0) {
     std::fprintf(stderr, "strobed: fork: %s\n", std::strerror(errno));
     return kExitFailed;
   }
-  if (worker == 0) become_worker(guardian, work, *page);
-  return Guardian(rig, worker, *page, tell).run();
+  if (worker == 0) become_worker(guardian, work, *page, *outputs);
+  return Guardian(rig, worker, *page, *outputs, tell).run();
 }
 
 }  // namespace strobe::firmware

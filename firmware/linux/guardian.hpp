@@ -1,12 +1,14 @@
-// strobed's parent. It forks the worker before anything is opened. When the worker dies of whatever cause,
-// hangs, or can no longer drive its outputs, the guardian takes the output lines over and drives them
-// inactive. It does little else (it passes signals on, and talks to the service manager), so that it does not
-// fail together with the worker; its memory is locked and its priority one above the loop's, where allowed.
+// strobed's parent. It requests the output lines and forks the worker, so that both hold them. When the worker dies of
+// whatever cause, hangs, or can no longer drive its outputs, the guardian drives them inactive. It learns of the loop's
+// death before the kernel takes the worker apart (lifeline.hpp): the outputs are inactive within 1 ms. It does little
+// else (it passes signals on, and talks to the service manager), so that it does not fail together with the worker;
+// its memory is locked and its priority one above the loop's, where allowed.
 //
-// A hung loop is detected within 0.2 s and killed. While the loop is suspect the guardian runs on the loop's
-// core, so that a core that stands still is not mistaken for a hung loop; without real-time priority it waits
-// for 0.6 s. If the publisher hangs the loop is asked to stop first, which makes the outputs safe: a thread
-// blocked in the kernel by a dead disk keeps the lines open even after a kill.
+// A loop that hangs while a shot is under way is detected within 0.2 s and killed. While the loop is suspect the
+// guardian runs on the loop's core, so that a core that stands still is not mistaken for a hung loop; without
+// real-time priority it waits for 0.6 s. While no shot is under way a loop without a sign of life is waited for, and
+// told of; the service manager's watchdog gets none meanwhile. If the publisher hangs the loop is asked to stop first,
+// which makes the outputs safe: a thread blocked in the kernel by a dead disk keeps the lines open even after a kill.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +16,7 @@
 #include <string>
 
 #include "firmware/core/rig.hpp"
+#include "firmware/linux/gpio_outputs.hpp"
 #include "firmware/linux/shared_status.hpp"
 
 namespace strobe::firmware {
@@ -29,9 +32,13 @@ inline constexpr Duration kGuardianTimeout = milliseconds(5'000);
 /// dead, from a child process without the lines, so that nobody who takes them over waits. Nobody is told if fork() fails.
 using TellDanger = std::function<void(std::int64_t boot_id, const std::string& message)>;
 
+/// What the worker does with the page and the outputs, which it shares with the guardian; its exit status.
+using Work = std::function<int(SharedStatus&, GpioOutputs&)>;
+
 /// Runs `work` in a child process of a session of its own, which gets SIGTERM if the guardian dies. Its
 /// worker_stop_signals() are blocked: it waits for them. Returns strobed's exit status: 0 after an orderly stop, 2 if
-/// the worker gave up before it had the lines, else 1. Requires: one thread, and no open descriptors.
-int run_guardian(const Rig& rig, const std::function<int(SharedStatus&)>& work, const TellDanger& tell);
+/// the outputs could not be taken, which is told on stderr, or the worker gave up before its loop began, else 1. Requires:
+/// one thread, and no open descriptors.
+int run_guardian(const Rig& rig, const Work& work, const TellDanger& tell);
 
 }  // namespace strobe::firmware

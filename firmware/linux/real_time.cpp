@@ -62,6 +62,11 @@ std::string become_real_time(int priority) {
          "): set LimitRTPRIO or give CAP_SYS_NICE";
 }
 
+void become_ordinary() {
+  const sched_param ordinary{};
+  pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
+}
+
 std::string pin_to_cpu(int cpu) {
   if (cpu < 0) return "";
   cpu_set_t set;
@@ -119,6 +124,19 @@ RealTimeRights probe_real_time(const Rig::RealTime& wanted) {
     if (!std::getline(lines, *fault)) *fault = "the trial of this right ended early";
   }
   return trial;
+}
+
+void use_small_stacks() {
+#ifdef __SANITIZE_THREAD__
+  constexpr std::size_t kStack_bytes = std::size_t{8} << 20;  // the sanitizer keeps its own state there
+#else
+  constexpr std::size_t kStack_bytes = std::size_t{512} << 10;
+#endif
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes, kStack_bytes);
+  pthread_setattr_default_np(&attributes);
+  pthread_attr_destroy(&attributes);
 }
 
 void prefault_stack() {

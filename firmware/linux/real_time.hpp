@@ -25,6 +25,7 @@ class LatencyRequest {
 /// Each returns one line that says what is wrong and what to do about it; empty if done.
 std::string lock_memory();
 std::string become_real_time(int priority);  ///< the calling thread, SCHED_FIFO
+void become_ordinary();                      ///< the calling thread, SCHED_OTHER
 std::string pin_to_cpu(int cpu);             ///< the calling thread; -1: does nothing
 /// Keeps the calling thread and those it starts off the CPU, if there is another one; -1: does nothing.
 void exclude_cpu(int cpu);
@@ -41,6 +42,8 @@ struct RealTimeRights {
 /// Tries all of the above without keeping any (in a child process).
 RealTimeRights probe_real_time(const Rig::RealTime& wanted);
 
+/// For threads to come, those of libraries, too: with locked memory every page of every stack is resident.
+void use_small_stacks();
 /// Touches the calling thread's stack, so that no page of it faults later.
 void prefault_stack();
 /// Keeps freed memory in the process, so that an allocation after locking does not fault.

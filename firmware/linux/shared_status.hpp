@@ -1,5 +1,5 @@
 // State that worker and guardian share: a page of shared memory, and an eventfd that wakes the guardian.
-// Thread-safe, process-safe, real-time safe.
+// Thread-safe, process-safe, real-time safe (but for waiting).
 #pragma once
 
 #include <unistd.h>
@@ -7,13 +7,19 @@
 #include <atomic>
 #include <cstdint>
 
+#include "firmware/linux/lifeline.hpp"
+
 namespace strobe::firmware {
 
 struct SharedStatus {
-  std::atomic<bool> lines_taken{false};   ///< the worker owns the output lines
-  std::atomic<bool> outputs_safe{false};  ///< it has made them inactive and is stopping
-  /// It can no longer drive them and has released them: the guardian takes them over now.
+  Lifeline loop;      ///< held by the worker's loop from before the worker is ready
+  Lifeline guardian;  ///< held by the guardian's main thread from before the fork
+  std::atomic<bool> guardian_died{false};
+  std::atomic<bool> outputs_safe{false};  ///< the worker has made the outputs inactive and is stopping
+  /// It can no longer drive them and has released them: the guardian makes them inactive now.
   std::atomic<bool> lines_released{false};
+  /// Set before an output can become active; cleared when all are inactive and no shot is under way.
+  std::atomic<bool> shot_under_way{false};
   std::atomic<bool> ready{false};                  ///< its first status is published
   std::atomic<std::int64_t> boot_id{0};            ///< the worker's; 0: not yet drawn
   std::atomic<std::int64_t> loop_heartbeat_ns{0};  ///< when the loop last ran; 0: not yet

@@ -23,6 +23,14 @@ void ignore_reserved_signals() {
     syscall(SYS_rt_sigaction, signal, ignore.data(), nullptr, kSigsetSize);
 }
 
+void (*call_at_fault)() = nullptr;
+
+/// The default action follows: a fault comes again, and what somebody sent is sent again.
+void end_of_fault(int signal) {
+  call_at_fault();
+  raise(signal);
+}
+
 }  // namespace
 
 sigset_t guardian_stop_signals() {
@@ -46,7 +54,16 @@ void set_signal_policy() {
   sigprocmask(SIG_BLOCK, &stops, nullptr);
 }
 
-void set_worker_signal_policy() {
+void set_worker_signal_policy(void (*at_fault)()) {
+  call_at_fault = at_fault;
+  struct sigaction handler {};
+  handler.sa_handler = end_of_fault;
+  handler.sa_flags = SA_RESETHAND;
+  for (const int signal : kFaults) {
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    if (before.sa_handler == SIG_DFL) sigaction(signal, &handler, nullptr);
+  }
   const sigset_t stops = worker_stop_signals();
   sigprocmask(SIG_SETMASK, &stops, nullptr);
 }

@@ -32,7 +32,8 @@ Watchdog::Verdict Watchdog::check(const Heartbeats& marks, MonoTime now, bool on
   loop_stale_ = loop ? loop_stale_ + counted : Duration{};
   const bool publisher = stale(marks.publisher, now, publisher_timeout_);
   publisher_stale_ = publisher ? publisher_stale_ + counted : Duration{};
-  if (loop_stale_ >= kGrace || core_seen_running_ >= kCoreSeenRunning) return Verdict::loop_hung;
+  if (loop_stale_ >= kGrace || core_seen_running_ >= kCoreSeenRunning)
+    return marks.shot_under_way ? Verdict::loop_hung : Verdict::loop_stands_still;
   if (publisher_stale_ >= kGrace) return Verdict::publisher_hung;
   return Verdict::healthy;
 }

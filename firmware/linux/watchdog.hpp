@@ -3,7 +3,9 @@
 // A virtual machine, or one of its cores, may stand still for longer than a hung loop can be tolerated, while
 // the clock goes on. So by time alone a loop hangs after half a second. But a guardian that checks every
 // 10 ms on the loop's own core, at a higher priority and each time punctually, has seen that core run: a loop
-// without a heartbeat in that time hangs.
+// without a heartbeat in that time hangs. Or so it is taken: a loop that waits in the kernel for a page from a disk or
+// for a bus that is stalled looks the same, as does one that a busy machine starves. While a shot is under way that
+// is the safe side. While none is, nothing is active that a loop could leave on, and it is waited for.
 #pragma once
 
 #include "common/units/time.hpp"
@@ -14,6 +16,7 @@ namespace strobe::firmware {
 struct Heartbeats {
   MonoTime loop{};
   MonoTime publisher{};
+  bool shot_under_way = true;  ///< outputs may be active
 };
 
 class Watchdog {
@@ -36,7 +39,8 @@ class Watchdog {
   /// manager kills everything.
   static Duration publisher_timeout_for(Duration watchdog);
 
-  enum class Verdict { healthy, loop_hung, publisher_hung };
+  /// loop_stands_still: as loop_hung, but no shot is under way.
+  enum class Verdict { healthy, loop_hung, loop_stands_still, publisher_hung };
   /// on_loop_core: since the last check the caller has run on the loop's core only, at a higher priority.
   Verdict check(const Heartbeats& marks, MonoTime now, bool on_loop_core = false);
   /// The guardian should move to the loop's core.

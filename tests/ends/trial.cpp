@@ -32,7 +32,7 @@ constexpr std::int64_t kPeriod = 5 * kMs, kExposure = 250 * kMs;
 // Of the shipped rig file.
 constexpr std::int64_t kLampOn = 50'000, kTriggerOn = 20 * kMs;
 /// A process that ends, and an output that cannot be set.
-constexpr std::int64_t kAtOnce = 5 * kMs;
+constexpr std::int64_t kAtOnce = kMs;
 /// From the death of both to `strobed --safe`, which their service manager starts.
 constexpr std::int64_t kBySafe = 2000 * kMs;
 /// Of the clock's reading and the file's, far above both.

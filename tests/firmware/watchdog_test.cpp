@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -34,9 +35,11 @@ class Core {
 };
 
 /// A loop on one core, which turns every 50 ms until it hangs, and a guardian that may have another core
-/// until it goes to the loop's. When it is said that the loop hangs; -1: never.
+/// until it goes to the loop's. When it is said that the loop hangs or stands still; -1: never.
 struct Machine {
   Core loops, others;
+  Core loop_alone;  ///< a page from a disk, or a bus, that the loop waits for while its core runs
+  bool shot_under_way = true;
   int hangs_from_ms = INT32_MAX;
   int slow_ms = 0;  ///< the loop's turn after its core runs again
 
@@ -46,14 +49,16 @@ struct Machine {
     int loop_due_ms = 50, loop_ms = 0;
     for (int now_ms = 0; now_ms < until_ms;) {
       while (loop_due_ms < hangs_from_ms) {
-        const int turn_ms = loops.turn_ms(loop_due_ms);
+        const int turn_ms = loops.turn_ms(loop_alone.turn_ms(loop_due_ms));
         const int late_ms = turn_ms > loop_due_ms ? slow_ms : 0;
         if (turn_ms + late_ms >= std::min(now_ms, hangs_from_ms)) break;
         loop_ms = turn_ms + late_ms;
         loop_due_ms = loop_ms + 50;
       }
       const MonoTime now = kNow + milliseconds(now_ms);
-      if (judge.check({kNow + milliseconds(loop_ms), now}, now, beside) == Verdict::loop_hung) return now_ms;
+      const Verdict verdict = judge.check({kNow + milliseconds(loop_ms), now, shot_under_way}, now, beside);
+      if (verdict == (shot_under_way ? Verdict::loop_hung : Verdict::loop_stands_still)) return now_ms;
+      if (verdict != Verdict::healthy) throw std::logic_error("another verdict");
       beside = judge.suspect();
       const int due_ms = now_ms + static_cast<int>(judge.until_next_check() / milliseconds(1));
       now_ms = (beside ? loops : others).turn_ms(due_ms);
@@ -155,6 +160,24 @@ TEST(Watchdog, TakesNoStandstillForAHangAndLeavesNoHangForLong) {
     RC_ASSERT(said_ms > machine.hangs_from_ms);
     RC_ASSERT(said_ms <= kStandstillsEnd_ms + 500 + 200);  // by time alone at the latest
   }));
+}
+
+TEST(Watchdog, TakesALoopThatWaitsInTheKernelForAHangWhileAShotIsUnderWayOnly) {
+  Machine machine;
+  machine.loop_alone.stand_still(1010, 400);
+  const int said_ms = machine.said_ms(4000);
+  CHECK(said_ms > 1010 && said_ms <= 1010 + 101 + 60);
+  machine.shot_under_way = false;
+  LONGS_EQUAL(said_ms, machine.said_ms(4000));
+}
+
+TEST(Watchdog, WaitsForALoopThatStandsStillWithoutAShotUntilItTurnsAgain) {
+  const Heartbeats still{kNow, kNow, false};
+  CHECK_EQUAL(Verdict::loop_stands_still, look_on(still, kNow, milliseconds(2'000)));
+  CHECK_EQUAL(Verdict::loop_stands_still, judge.check(still, kNow + milliseconds(9'000)));
+  const MonoTime later = kNow + milliseconds(9'050);
+  CHECK_EQUAL(Verdict::healthy, judge.check({later, later, false}, later));
+  CHECK_EQUAL(Verdict::loop_hung, look_on({later, later, true}, later, milliseconds(2'000)));
 }
 
 TEST(Watchdog, HasPatienceWithAPublisherOnASlowDisk) {

@@ -17,7 +17,8 @@
 #include "firmware/core/rig_file.hpp"
 #include "firmware/core/sequencer.hpp"
 #include "firmware/linux/event_fd.hpp"
-#include "firmware/linux/gpio_lines.hpp"
+#include "firmware/linux/gpio_inputs.hpp"
+#include "firmware/linux/gpio_outputs.hpp"
 #include "firmware/linux/real_time.hpp"
 #include "firmware/linux/system_clock.hpp"
 #include "firmware/linux/tick_finder.hpp"
@@ -151,16 +152,18 @@ int run_loop(const LoopSettings& settings) {
   const Rig rig = rig_for(settings);
   EventFd loop_wake;
   EventFd publisher_wake;
-  auto lines = GpioLines::open(rig, loop_wake.fd());
+  auto lines = GpioOutputs::open(rig);
   if (!lines) throw std::runtime_error(lines.error().message);
+  auto inputs = GpioInputs::open(rig, loop_wake.fd());
+  if (!inputs) throw std::runtime_error(inputs.error().message);
   SystemClock clock;
   LoopQueue queue(rig, publisher_wake);
   Operator commands(rig.plan);
   NoOutputs nothing;
   OutputLines& outputs =
-      settings.outputs == benchmarks::timing::Outputs::none ? static_cast<OutputLines&>(nothing) : **lines;
+      settings.outputs == benchmarks::timing::Outputs::none ? static_cast<OutputLines&>(nothing) : *lines;
   const Tick tick = settings.tick_avoidance ? find_tick(rig.real_time) : Tick{};
-  Sequencer sequencer(rig, {clock, outputs, **lines, queue, commands}, 0, tick);
+  Sequencer sequencer(rig, {clock, outputs, **inputs, queue, commands}, 0, tick);
   Collector collector(queue, publisher_wake);
   std::string faults = lock_memory();
   const LatencyRequest latency;

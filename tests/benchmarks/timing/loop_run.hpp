@@ -1,4 +1,4 @@
-// The shipped loop, timed: Sequencer, ShotPlayer, clock, LoopQueue and GpioLines as strobed has them, in a
+// The shipped loop, timed: Sequencer, ShotPlayer, clock, LoopQueue and GpioInputs, GpioOutputs as strobed has them, in a
 // process of its own with libgpiod on a simulated chip, fires dry shots one after the other.
 #pragma once
 
