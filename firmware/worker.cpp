@@ -19,6 +19,7 @@
 #include "firmware/linux/gpio_outputs.hpp"
 #include "firmware/linux/real_time.hpp"
 #include "firmware/linux/signals.hpp"
+#include "firmware/linux/sleep_inhibitor.hpp"
 #include "firmware/linux/system_clock.hpp"
 #include "firmware/linux/tick_finder.hpp"
 #include "firmware/publisher/command_feed.hpp"
@@ -260,6 +261,10 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page, GpioO
     console.say("ready, rig " + rig.name + ", boot " + boot_in_hex(boot_id) + ", key " + options.key_words);
     page.ready = true;
     page.notify();
+  };
+  SleepInhibitor sleep(say);
+  settings.on_status = [&sleep, &clock](State state) {
+    sleep.turn(state == State::armed || state == State::firing, clock.now());
   };
   Publisher publisher(rig, settings, queue, mailbox, *journal, bus, clock);
   Receiver receiver(rig, boot_id, options.key.value(), commands, mailbox, rejections, system_boot_time_ns);

@@ -207,6 +207,7 @@ void Publisher::publish_status() {
   parts.rejected = settings_.rejected();
   bus_.publish(status_channel_, encoded(to_message(parts, timing_, histograms_)));
   next_status_ = clock_.now() + kHeartbeat;
+  settings_.on_status(status_.state);
   if (settings_.on_first_status && sequence_ > 0) std::exchange(settings_.on_first_status, nullptr)();
 }
 

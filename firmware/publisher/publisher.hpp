@@ -27,7 +27,8 @@ struct PublisherSettings {
   std::filesystem::path session;
   bool real_time = false;
   bool verbose = false;
-  std::function<void()> on_first_status;  ///< called once, on the publisher's thread
+  std::function<void()> on_first_status;                ///< called once, on the publisher's thread
+  std::function<void(State)> on_status = [](State) {};  ///< called with each one, on the publisher's thread
   std::function<std::int64_t()> wall_ns = system_wall_ns;
   std::function<std::int64_t()> boot_time_ns = system_boot_time_ns;
   std::function<RejectedCommands()> rejected = [] { return RejectedCommands{}; };  ///< so far

@@ -26,6 +26,12 @@ TEST(ServiceFiles, AreThoseOfTheShippedUnit) {
       unit.c_str());
 }
 
+TEST(ServiceFiles, LetSystemdStopStrobedBeforeTheMachineSleeps) {
+  const std::string unit = strobe::testing::read_text(STROBE_UNIT);
+  for (const char* line : {"\nConflicts=sleep.target\n", "\nBefore=sleep.target\n"})
+    STRCMP_CONTAINS(line, unit.c_str());
+}
+
 TEST(ServiceFiles, AreCheckedByRootWithTheServicesRigFileWhereNothingElseIsNamed) {
   const Options checked = options_of_check(with_rig_file(kServiceRigFile), Rig{}, true);
   CHECK_EQUAL(kServiceKeyFile, checked.key_file);

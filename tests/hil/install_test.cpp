@@ -31,7 +31,7 @@ TEST(Install, HasProgramsLibraryMessagesUnitRigScenesAndData) {
                            "share/strobe/scenes/back_68.toml", "share/strobe/thesis/tables_02_to_10.csv",
                            "share/strobe/thesis/contact/zero_23.csv", "share/strobe/lcm/event_t.lcm",
                            "share/strobe/lcm/sealed_command_t.lcm", "lib/sysusers.d/strobe.conf",
-                           "lib/udev/rules.d/60-strobe.rules"})
+                           "lib/udev/rules.d/60-strobe.rules", "share/polkit-1/rules.d/60-strobe.rules"})
     CHECK_TEXT(std::filesystem::exists(moved / file), file);
   bool library = false, unit = false;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(moved)) {
