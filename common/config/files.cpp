@@ -73,6 +73,19 @@ Result<void> replace(const fs::path& path, const fs::file_status& before, const 
   return because(path);
 }
 
+using OnLine = std::function<void(std::string_view, bool)>;
+
+/// Of a line that goes on in the next block, `begun` holds what there was of it.
+void take_lines(std::string_view block, std::string& begun, const OnLine& on_line) {
+  for (std::size_t end = block.find('\n'); end != std::string_view::npos; end = block.find('\n')) {
+    begun += block.substr(0, end);
+    on_line(begun, true);
+    begun.clear();
+    block.remove_prefix(end + 1);
+  }
+  begun += block;
+}
+
 }  // namespace
 
 Result<std::string> read_file(const std::string& path) {
@@ -87,6 +100,29 @@ Result<std::string> read_file(const std::string& path) {
   }
   if (std::ferror(file.get())) return fail(path + ": " + std::strerror(errno));
   return text;
+}
+
+Result<std::optional<std::string>> read_file_if_any(const fs::path& path) {
+  auto text = read_file(path.string());
+  if (text) return std::optional(std::move(*text));
+  std::error_code error;
+  if (fs::status(path, error).type() == fs::file_type::not_found) return std::optional<std::string>();
+  return tl::unexpected(text.error());
+}
+
+Result<bool> read_lines(const fs::path& path, const OnLine& on_line) {
+  const std::unique_ptr<std::FILE, FileCloser> file(std::fopen(path.c_str(), "rbe"));
+  if (!file && errno == ENOENT) return false;
+  if (!file) return fail(path.string() + ": " + std::strerror(errno));
+  std::string begun;
+  std::array<char, 65536> block{};
+  while (const std::size_t size = std::fread(block.data(), 1, block.size(), file.get())) {
+    take_lines({block.data(), size}, begun, on_line);
+    if (begun.size() > kMaxLine_bytes) return fail(path.string() + ": a line is longer than 1 MB");
+  }
+  if (std::ferror(file.get())) return fail(path.string() + ": " + std::strerror(errno));
+  if (!begun.empty()) on_line(begun, false);
+  return true;
 }
 
 bool write_all(int fd, std::string_view bytes) {

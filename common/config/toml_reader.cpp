@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "common/config/toml_bounds.hpp"
+
 namespace strobe::config {
 
 namespace {
@@ -263,6 +265,10 @@ void TomlTable::error_at(std::string_view key, const std::string& what) {
 
 TomlReader::TomlReader(std::string_view text, std::string file_name) : state_(std::make_shared<State>()) {
   state_->file_name = std::move(file_name);
+  if (const auto problem = toml_bounds_problem(text)) {
+    state_->first_error = Error{on_one_line(state_->file_name + ":" + problem->message)};
+    return;
+  }
   try {
     state_->document = toml::parse(text, state_->file_name);
   } catch (const toml::parse_error& error) {

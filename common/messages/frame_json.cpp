@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/messages/json_conversions.hpp"
+#include "common/messages/parsed_json.hpp"
 
 namespace strobe::messages {
 namespace {
@@ -282,6 +283,7 @@ ordered_json map_error_json(const reduction::MapError& error) {
 }  // namespace
 
 Result<Frame> frame_from_json(std::string_view text) {
+  if (json_depth(text) > kMaxJsonDepth) return fail("nests too deep");
   json document;
   try {
     document = json::parse(text);

@@ -36,8 +36,11 @@ class SessionReader {
   }
 
   Result<StoredSession> read() {
-    if (const auto plan = config::read_file((session_.folder / "plan.toml").string()))
-      session_.plan_text = *plan;
+    auto plan = config::read_file_if_any(session_.folder / "plan.toml");
+    if (!plan) return tl::unexpected(plan.error());
+    session_.plan_text = std::move(*plan).value_or("");
+    auto runs = read_runs(session_.folder / "runs.jsonl");
+    if (!runs) return tl::unexpected(runs.error());
     const auto key = sealing_key();
     session_.verified = key.has_value() && !session_.logs.empty();
     auto played = play_session(session_.logs, journals(session_.folder), session_.rig, key,
@@ -46,9 +49,11 @@ class SessionReader {
     played_ = std::move(*played);
     fired_ = played_.fired.get();
     for (std::string& text : played_.remarks) remark(std::move(text));
-    find_runs();
+    find_runs(std::move(*runs));
     find_shots();
-    find_digitizations();
+    const auto digitizations = digitization_files(session_.folder);
+    if (!digitizations) return tl::unexpected(digitizations.error());
+    find_digitizations(*digitizations);
     find_photographs();
     name_shots();
     progress(1.0);
@@ -62,13 +67,13 @@ class SessionReader {
   }
 
   std::optional<authentication::Key> sealing_key();
-  void find_runs();
+  void find_runs(RunRecords records);
   void add_unrecorded_run(std::int64_t host, WallTime time);
   const SessionRigs::Rig& rig_of(std::int64_t host_id) const;
   bool own(const FiredShot& fired) const;
   void find_shots();
   StoredShot stored(const ShotKey& key, const FiredShot& fired) const;
-  void find_digitizations();
+  void find_digitizations(const std::map<ShotKey, std::vector<DigitizationFile>>& files);
   void find_digitizations(StoredShot& shot, const std::vector<DigitizationFile>& files);
   void find_photographs();
   void name_shots();
@@ -97,12 +102,9 @@ std::optional<authentication::Key> SessionReader::sealing_key() {
   return key;
 }
 
-void SessionReader::find_runs() {
-  if (const auto text = config::read_file((session_.folder / "runs.jsonl").string())) {
-    RunRecords records = parse_runs(*text);
-    session_.runs = std::move(records.runs);
-    for (std::string& told : records.remarks) remark(std::move(told));
-  }
+void SessionReader::find_runs(RunRecords records) {
+  session_.runs = std::move(records.runs);
+  for (std::string& told : records.remarks) remark(std::move(told));
   const bool nobody = fired_->commanding_hosts().empty() && session_.runs.empty();
   for (const auto& [host, heard] : nobody ? fired_->reading_hosts() : fired_->commanding_hosts())
     add_unrecorded_run(host, heard.time);
@@ -179,8 +181,7 @@ StoredShot SessionReader::stored(const ShotKey& key, const FiredShot& fired) con
   return shot;
 }
 
-void SessionReader::find_digitizations() {
-  const auto files = digitization_files(session_.folder);
+void SessionReader::find_digitizations(const std::map<ShotKey, std::vector<DigitizationFile>>& files) {
   for (StoredShot& shot : session_.shots) {
     const auto found = files.find(shot.key);
     if (found != files.end()) find_digitizations(shot, found->second);
@@ -243,13 +244,14 @@ void SessionReader::name_shots() {
 }
 
 /// Times as the session's results.csv has them.
-void take_times(StoredSession& session) {
-  const auto text = config::read_file((session.folder / "results.csv").string());
-  if (!text) return;
+Result<void> take_times(StoredSession& session) {
+  auto rows = read_results_rows(session.folder / "results.csv");
+  if (!rows) return tl::unexpected(rows.error());
   std::map<ShotKey, std::string> times;
-  for (ResultsRow& row : parse_results(*text)) times.try_emplace(row.key, std::move(row.utc));
+  for (ResultsRow& row : *rows) times.try_emplace(row.key, std::move(row.utc));
   for (StoredShot& shot : session.shots)
     if (const auto found = times.find(shot.key); found != times.end()) shot.utc = found->second;
+  return {};
 }
 
 }  // namespace
@@ -264,7 +266,7 @@ Result<StoredSession> read_session(const fs::path& folder, const ReadSessionOpti
   if (!rigs) return tl::unexpected(rigs.error());
   auto session = SessionReader(folder, options, std::move(*rigs)).read();
   if (!session) return session;
-  take_times(*session);
+  if (auto taken = take_times(*session); !taken) return tl::unexpected(taken.error());
   if (auto remark = never_digitized_remark(*session)) session->remarks.push_back(std::move(*remark));
   return session;
 }

@@ -1,8 +1,6 @@
 #include "host/archive/results_table.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -11,7 +9,6 @@
 #include "common/config/files.hpp"
 #include "host/session/data_dictionary.hpp"
 #include "host/session/results_csv.hpp"
-#include "host/session/results_rows.hpp"
 
 namespace strobe::host {
 namespace {
@@ -49,11 +46,6 @@ std::vector<ShotKey> order(const StoredSession& session, const std::vector<Resul
   return keys;
 }
 
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 }  // namespace
 
 std::string_view digitization_word(const StoredShot& shot) {
@@ -63,22 +55,20 @@ std::string_view digitization_word(const StoredShot& shot) {
   return digitization_word(shot.result);
 }
 
-std::string results_table(const StoredSession& session, std::string_view existing) {
-  const std::vector<ResultsRow> rows = parse_results(existing);
+std::string results_table(const StoredSession& session, const std::vector<ResultsRow>& existing) {
   std::map<ShotKey, std::string> lines;
-  for (const ResultsRow& row : rows) lines.try_emplace(row.key, lengthened(row.line));
+  for (const ResultsRow& row : existing) lines.try_emplace(row.key, lengthened(row.line));
   for (const StoredShot& shot : session.shots)
     lines[shot.key] = results_line(shot.result, shot.utc, shot.name, digitization_word(shot));
   std::string table = results_header() + "\n";
-  for (const ShotKey& key : order(session, rows)) table += lines.at(key) + "\n";
+  for (const ShotKey& key : order(session, existing)) table += lines.at(key) + "\n";
   return table;
 }
 
 Result<void> rebuild_results(const StoredSession& session, const fs::path& file) {
-  if (auto written =
-          config::write_file(file, results_table(session, text_of(session.folder / "results.csv")));
-      !written)
-    return written;
+  const auto rows = read_results_rows(session.folder / "results.csv");
+  if (!rows) return tl::unexpected(rows.error());
+  if (auto written = config::write_file(file, results_table(session, *rows)); !written) return written;
   return config::write_file(file.string() + "-metadata.json",
                             data_dictionary(file.filename().string(), kResultsTitle, results_columns()));
 }

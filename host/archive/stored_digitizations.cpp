@@ -10,6 +10,7 @@
 #include "common/config/files.hpp"
 #include "common/messages/json_conversions.hpp"
 #include "common/messages/lcm_conversions.hpp"
+#include "common/messages/parsed_json.hpp"
 
 namespace strobe::host {
 namespace {
@@ -57,13 +58,15 @@ std::optional<DigitizationFile> digitization_file(const fs::path& path) {
   return file;
 }
 
-std::map<ShotKey, std::vector<DigitizationFile>> digitization_files(const fs::path& session) {
+Result<std::map<ShotKey, std::vector<DigitizationFile>>> digitization_files(const fs::path& session) {
   std::map<ShotKey, std::vector<DigitizationFile>> files;
   std::error_code error;
   for (fs::directory_iterator entry(session / "digitizations", error), end; !error && entry != end;
        entry.increment(error)) {
     if (auto file = digitization_file(entry->path())) files[file->key].push_back(std::move(*file));
   }
+  if (error && error != std::errc::no_such_file_or_directory)
+    return fail((session / "digitizations").string() + ": " + error.message());
   for (auto& [key, of_shot] : files) std::ranges::sort(of_shot, {}, &DigitizationFile::number);
   return files;
 }
@@ -74,7 +77,7 @@ fs::path digitization_stem(const fs::path& session, const ShotKey& key, int numb
 }
 
 Result<Digitization> parse_digitization(std::string_view text, const ShotKey& key, const std::string& name) {
-  auto object = nlohmann::json::parse(text, nullptr, false);
+  auto object = messages::parsed_json<nlohmann::json>(text);
   const bool given = give_times(object);
   const auto frame = messages::frame_from_json(given ? object.dump() : std::string(text));
   if (!frame) return fail(name + ": " + frame.error().message);

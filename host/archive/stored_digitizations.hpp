@@ -25,8 +25,9 @@ struct DigitizationFile {
 
 /// Absent: it is not the name of such a file.
 std::optional<DigitizationFile> digitization_file(const std::filesystem::path& path);
-/// Those of the session, each shot's in the order of their numbers.
-std::map<ShotKey, std::vector<DigitizationFile>> digitization_files(const std::filesystem::path& session);
+/// Those of the session, each shot's in the order of their numbers. Fails where the folder is there and cannot be read.
+Result<std::map<ShotKey, std::vector<DigitizationFile>>> digitization_files(
+    const std::filesystem::path& session);
 /// The name that the shot's digitization of this number has in the session, without its ending.
 std::filesystem::path digitization_stem(const std::filesystem::path& session, const ShotKey& key, int number);
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/config/files.hpp"
+#include "common/messages/parsed_json.hpp"
 
 namespace strobe::host {
 namespace {
@@ -42,7 +43,7 @@ BatchJournal::~BatchJournal() {
 
 /// Returns false if it is no row.
 bool BatchJournal::load_line(const std::string& line) {
-  const json object = json::parse(line, nullptr, false);
+  const json object = messages::parsed_json<json>(line);
   if (!object.is_object()) return false;
   const std::string key = text_in(object, "key"), results = text_in(object, "results");
   if (key.empty() || results.empty()) return false;
@@ -63,7 +64,7 @@ Result<void> BatchJournal::load(const fs::path& path, bool own) {
     load_line(line);
     whole += static_cast<off_t>(line.size()) + 1;
   }
-  if (file.bad()) return fail(failure(path));
+  if (!file.is_open() || file.bad()) return fail(failure(path));
   if (own && torn && ::ftruncate(fd_, whole) != 0) return fail(failure(path));
   return {};
 }

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "common/config/files.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "host/batch/batch_row.hpp"
 
 namespace strobe::host {
@@ -79,7 +80,7 @@ Result<BatchManifest> read_manifest(const fs::path& folder) {
   const std::string path = folder / "batch.json";
   const auto text = config::read_file(path);
   if (!text) return tl::unexpected(text.error());
-  const auto json = nlohmann::json::parse(*text, nullptr, false);
+  const auto json = messages::parsed_json<nlohmann::json>(*text);
   BatchManifest manifest;
   if (json.is_object() && json.contains("batch") && json["batch"].is_string() && json.contains("sessions") &&
       json["sessions"].is_array()) {

@@ -65,7 +65,7 @@ void CommissionPage::show(const Commissioning& commissioning, web::RunView view)
   run_->show(view);
 }
 
-/// What moves outputs is answered at the console alone, whatever the routes have let through.
+/// What is asked at the console is answered there alone, whatever the routes have let through.
 void CommissionPage::obey(HostLoop& loop, Commissioning& commissioning) {
   for (const web::LiveCommand& command : page_->take_commands()) {
     loop.notify("ended from the page by " + command.from);
@@ -79,7 +79,7 @@ void CommissionPage::obey(HostLoop& loop, Commissioning& commissioning) {
       continue;
     }
     const auto& prompt = commissioning.prompt();
-    if (!prompt || prompt->moves || current_step(commissioning) != asked.step) continue;
+    if (!prompt || web::asks_at_console(*prompt) || current_step(commissioning) != asked.step) continue;
     loop.notify(fmt::format("{} confirmed from the page by {}", asked.step, asked.from));
     commissioning.answer(Answer::yes);
   }

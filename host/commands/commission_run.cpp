@@ -15,6 +15,7 @@
 #include "host/commission/commissioning.hpp"
 #include "host/messages/lcm_link.hpp"
 #include "host/session/logged_transport.hpp"
+#include "host/session/run_lock.hpp"
 
 namespace strobe::host {
 namespace {
@@ -151,6 +152,10 @@ int run(const CommissionRequest& request, SessionFolder& folder, RecordFile& rec
 
 int run_commission(const CommissionRequest& request) {
   MachineClock clock;
+  const auto session_lock = RunLock::of_session(request.session, operator_name(), clock.read().wall);
+  if (!session_lock) return bad_input(session_lock.error().message);
+  const auto record_lock = RunLock::take(request.record_path + ".lock", operator_name(), clock.read().wall);
+  if (!record_lock) return bad_input(record_lock.error().message);
   const auto former = commission::read_record(request.record_path);
   if (!former) return bad_input(former.error().message);
   for (const std::string& remark : former->remarks) std::fprintf(stderr, "strobe: %s\n", remark.c_str());
@@ -158,7 +163,7 @@ int run_commission(const CommissionRequest& request) {
       request.web, {"commission", STROBE_VERSION, request.session, request.key_file, std::nullopt},
       request.rig);
   if (!page) return bad_input(page.error().message);
-  auto record_file = RecordFile::open(request.record_path, RecordFile::Use::shared);
+  auto record_file = RecordFile::open(request.record_path, RecordFile::Use::append);
   if (!record_file) return bad_input(record_file.error().message);
   // What a power cut tore stays a line of its own.
   if (former->torn)

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "common/messages/parsed_json.hpp"
+
 namespace strobe::host {
 
 namespace {
@@ -47,7 +49,7 @@ Result<std::vector<std::vector<double>>> parse_flash_times(const std::string& te
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    const auto parsed = nlohmann::json::parse(line, nullptr, false);
+    const auto parsed = messages::parsed_json<nlohmann::json>(line);
     const std::string wrong = parsed.is_discarded() ? "is not JSON" : read_times(parsed, all.emplace_back());
     if (!wrong.empty()) return fail(fmt::format("{}:{}: {}", file, number, wrong));
   }

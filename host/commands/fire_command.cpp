@@ -21,6 +21,7 @@
 #include "host/commands/photograph_options.hpp"
 #include "host/messages/command_factory.hpp"
 #include "host/session/former_runs.hpp"
+#include "host/session/run_lock.hpp"
 #include "host/session/session_folder.hpp"
 #include "host/thesis/condition.hpp"
 
@@ -87,14 +88,17 @@ RunRecord record_of(const FireOptions& options, const FireRequest& request) {
 }
 
 /// How many shots, those included that the session holds already.
-void set_shots(const FireOptions& options, FireRequest& request) {
+Result<void> set_shots(const FireOptions& options, FireRequest& request) {
   ShotSeriesSettings& series = request.series;
   series.whole_session = options.until.has_value();
   if (series.whole_session) {
-    for (const auto& [key, counts] : read_result_rows(request.session)) series.counted += counts ? 1 : 0;
+    const auto rows = read_result_rows(request.session);
+    if (!rows) return tl::unexpected(rows.error());
+    for (const auto& [key, counts] : *rows) series.counted += counts ? 1 : 0;
   }
   series.shots = options.until ? *options.until : options.shots.value_or(1);
   series.retries = options.retries.value_or(std::max(0, series.shots - series.counted));
+  return {};
 }
 
 Result<FireRequest> request_of(const FireOptions& options) {
@@ -119,7 +123,11 @@ Result<FireRequest> request_of(const FireOptions& options) {
   request.url = lcm_url(options.url, request.rig);
   request.session =
       options.session.empty() ? "session-" + utc_for_file(MachineClock().read().wall) : options.session;
-  set_shots(options, request);
+  // From here on nobody else writes there.
+  auto lock = RunLock::of_session(request.session, operator_name(), MachineClock().read().wall);
+  if (!lock) return tl::unexpected(lock.error());
+  request.lock.emplace(std::move(*lock));
+  if (auto set = set_shots(options, request); !set) return tl::unexpected(set.error());
   request.photographs = options.photographs;
   request.run = record_of(options, request);
   if (options.angle_deg) request.condition = thesis_condition(options.spin, *options.angle_deg);
@@ -135,7 +143,7 @@ int run(const FireOptions& given) {
   if (given.until && given.dry) return bad_input("--until counts shots with a ball: not with --dry");
   const auto options = given.resume ? resumed(given) : Result<FireOptions>(given);
   if (!options) return bad_input(options.error().message);
-  auto request = request_of(*options);
+  auto request = request_of(*options);  // which holds the session until it ends
   if (!request) return bad_input(request.error().message);
   request->asked = asked;
   return run_fire(*request);

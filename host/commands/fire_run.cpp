@@ -89,7 +89,10 @@ class FireRun {
 
   HostLoop& loop() { return loop_; }
 
-  int run() try { return fire(); } catch (const std::exception&) {
+  int run() try {
+    if (const auto& error = stored_.former_error()) return bad_input(error->message);
+    return fire();
+  } catch (const std::exception&) {
     terminal_.close();
     stored_.abandon();
     throw;

@@ -12,6 +12,7 @@
 #include "host/commands/web_page.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/photographs/open_pipeline.hpp"
+#include "host/session/run_lock.hpp"
 #include "host/session/run_record.hpp"
 #include "host/session/shot_series.hpp"
 
@@ -29,6 +30,7 @@ struct FireRequest {
   std::string rig_remark;    ///< which rig file was taken where none was named; else empty
   std::string url;
   std::string session;
+  std::optional<RunLock> lock;  ///< of the session
   PhotographOptions photographs;
   RunRecord run;  ///< for the session's runs.jsonl, but for what only the run knows
   std::optional<thesis::Condition> condition;

@@ -12,9 +12,12 @@
 #include "host/archive/redigitize.hpp"
 #include "host/archive/results_table.hpp"
 #include "host/archive/shot_outcome.hpp"
+#include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/operator_name.hpp"
 #include "host/commands/session_options.hpp"
 #include "host/series/from_session.hpp"
+#include "host/session/run_lock.hpp"
 #include "host/session/shot_names.hpp"
 
 namespace strobe::host {
@@ -134,7 +137,11 @@ int replay_session(const ReplayOptions& options) {
 
 int run_replay(const ReplayOptions& options) {
   std::error_code error;
-  return fs::is_directory(options.path, error) ? replay_session(options) : replay_log(options);
+  if (!fs::is_directory(options.path, error)) return replay_log(options);
+  if (!options.results || !options.results->empty()) return replay_session(options);
+  // Its own table is made anew: nobody may append to it meanwhile.
+  const auto lock = RunLock::of_session(options.path, operator_name(), MachineClock().read().wall);
+  return lock ? replay_session(options) : bad_input(lock.error().message);
 }
 
 }  // namespace
@@ -152,8 +159,7 @@ void add_replay_command(CLI::App& app, int& exit_status) {
   command
       ->add_option_function<std::string>(
           "--results", [options](const std::string& file) { options->results = file; },
-          "of a folder: write results.csv anew, every shot once, or the table to this file; no host may be "
-          "firing there")
+          "of a folder: write results.csv anew, every shot once, or the table to this file")
       ->expected(0, 1)
       ->type_name("[FILE]");
   command->add_flag(

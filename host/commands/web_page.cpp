@@ -108,6 +108,7 @@ Result<std::unique_ptr<WebPage>> WebPage::open(const WebOptions& options, const 
 WebPage::WebPage(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
 WebPage::~WebPage() {
+  parts_->channel.end();  // nobody takes commands any more
   // Work that goes on still needs them: see web::work_left_behind().
   if (!parts_->server->end()) static_cast<void>(parts_.release());
 }

@@ -20,7 +20,10 @@ StoredSeries::StoredSeries(const HostLoopSettings& settings, const ShotSeriesSet
   loop_.add_listener(*this);
   if (!settings.key) return;
   auto former = read_former_runs(folder.path(), settings.rig, *settings.key, folder.log_path());
-  if (!former) return;  // whoever wants to know has read it before
+  if (!former) {
+    former_error_ = former.error();
+    return;
+  }
   for (const auto& [key, shot] : former->shots) folder.add(shot);
   if (!former->empty() || !former->events.empty()) runner_.take_in_first(std::move(*former));
 }

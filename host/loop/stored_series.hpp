@@ -3,6 +3,7 @@
 // under way is the last one. Ports as the loop's; single-threaded.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ class StoredSeries final : private HostListener {
   /// The references must outlive the object. What earlier runs in the folder left is taken in first.
   StoredSeries(const HostLoopSettings& settings, const ShotSeriesSettings& series, SessionFolder& folder,
                Transport& transport, Clock& clock);
+
+  /// Why it is not known what earlier runs left: then nothing may be fired. Absent: it is known.
+  const std::optional<Error>& former_error() const { return former_error_; }
 
   HostLoop& loop() { return loop_; }
   SeriesRunner& runner() { return runner_; }
@@ -47,6 +51,7 @@ class StoredSeries final : private HostListener {
   LoggedTransport transport_;
   HostLoop loop_;
   SeriesRunner runner_;
+  std::optional<Error> former_error_;
   bool unsynced_ = false;  ///< there is a new result
   HostTime tended_;
   std::vector<std::string> not_kept_;

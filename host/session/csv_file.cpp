@@ -80,7 +80,7 @@ std::vector<std::string> csv_fields(std::string_view line) {
 
 Result<CsvFile> CsvFile::open(const std::filesystem::path& path, const std::string& header,
                               const std::vector<std::string>& earlier) {
-  auto file = RecordFile::open(path, RecordFile::Use::shared);
+  auto file = RecordFile::open(path, RecordFile::Use::append);
   if (!file) return tl::unexpected(file.error());
   const auto text = read_all(*file);
   if (!text) return tl::unexpected(text.error());

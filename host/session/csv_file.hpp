@@ -27,7 +27,7 @@ class CsvFile {
   static Result<CsvFile> open(const std::filesystem::path& path, const std::string& header,
                               const std::vector<std::string>& earlier = {});
 
-  /// One write per line, or lines: those of several processes do not mix. What cannot be written waits and is
+  /// One write per line, or lines. What cannot be written waits and is
   /// tried again (record_file.hpp).
   Result<void> append(const std::string& line);
 

@@ -17,7 +17,7 @@ std::string_view kind_of(const std::string& channel) {
 Result<EventLog> EventLog::create(const std::filesystem::path& folder, const std::string& utc) {
   std::string name = "host-" + utc;
   for (char letter = 'b';; ++letter) {
-    auto file = RecordFile::open(folder / (name + ".lcmlog"), RecordFile::Use::alone);
+    auto file = RecordFile::open(folder / (name + ".lcmlog"), RecordFile::Use::anew);
     if (file) return EventLog(std::move(*file));
     if (errno != EEXIST || letter > 'z') return tl::unexpected(file.error());
     name = "host-" + utc + letter;

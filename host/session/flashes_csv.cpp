@@ -67,7 +67,7 @@ Result<FlashesCsv> FlashesCsv::open(const std::filesystem::path& path) {
   if (!file) return tl::unexpected(file.error());
   std::ifstream lines(path);
   auto known = flashes_in(lines);
-  if (lines.bad()) return fail(path.string() + ": cannot be read");
+  if (!lines.is_open() || lines.bad()) return fail(path.string() + ": cannot be read");
   return FlashesCsv(std::move(*file), std::move(known));
 }
 

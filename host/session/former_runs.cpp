@@ -1,7 +1,11 @@
 #include "host/session/former_runs.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <optional>
 #include <strobe_msgs/command_t.hpp>
 #include <strobe_msgs/readout_t.hpp>
@@ -10,7 +14,6 @@
 
 #include "common/authentication/packet_seal.hpp"
 #include "common/authentication/seal.hpp"
-#include "common/config/files.hpp"
 #include "common/messages/channels.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/wire/log_reader.hpp"
@@ -117,11 +120,11 @@ bool FormerRuns::may_lack_results() const {
   return !unfinished().empty() || tokens.size() > known.size();
 }
 
-std::map<ShotKey, bool> read_result_rows(const fs::path& folder) {
+Result<std::map<ShotKey, bool>> read_result_rows(const fs::path& folder) {
+  const auto read = read_results_rows(folder / "results.csv");
+  if (!read) return tl::unexpected(read.error());
   std::map<ShotKey, bool> rows;
-  const auto text = config::read_file((folder / "results.csv").string());
-  if (!text) return rows;
-  for (const ResultsRow& row : parse_results(*text)) rows[row.key] = row.counts;
+  for (const ResultsRow& row : *read) rows[row.key] = row.counts;
   return rows;
 }
 
@@ -132,10 +135,19 @@ Result<FormerRuns> read_former_runs(const fs::path& folder, const std::string& r
   if (!runs) return tl::unexpected(runs.error());
   former.runs = std::move(runs->runs);
   for (const RunRecord& run : former.runs) former.host_ids.insert(run.host_id);
-  former.results = read_result_rows(folder);
+  auto results = read_result_rows(folder);
+  if (!results) return tl::unexpected(results.error());
+  former.results = std::move(*results);
+  std::error_code error;
+  const std::vector<fs::path> logs = host_logs(folder, error);
+  if (error && error != std::errc::no_such_file_or_directory)
+    return fail(folder.string() + ": " + error.message());
   RunReader reader(rig, key, former);
-  for (const fs::path& log : host_logs(folder))
-    if (log != own_log) reader.read(log);
+  for (const fs::path& log : logs) {
+    if (log == own_log) continue;
+    if (::access(log.c_str(), R_OK) != 0) return fail(log.string() + ": " + std::strerror(errno));
+    reader.read(log);
+  }
   return former;
 }
 

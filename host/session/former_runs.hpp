@@ -52,10 +52,10 @@ struct FormerRuns {
 };
 
 /// results.csv of a folder: whether each shot in it counts. None if there is no such file. A shot that is there twice
-/// is what its last row says.
-std::map<ShotKey, bool> read_result_rows(const std::filesystem::path& folder);
+/// is what its last row says. Fails with the name of a file that cannot be read: what it holds is not known then.
+Result<std::map<ShotKey, bool>> read_result_rows(const std::filesystem::path& folder);
 
-/// Logs but for `own_log`. rig: the name on the channels. Fails on a runs.jsonl that cannot be read.
+/// Logs but for `own_log`. rig: the name on the channels. Fails likewise; a log is read as far as it can be.
 Result<FormerRuns> read_former_runs(const std::filesystem::path& folder, const std::string& rig,
                                     const authentication::Key& key,
                                     const std::filesystem::path& own_log = {});

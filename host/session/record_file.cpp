@@ -1,7 +1,6 @@
 #include "host/session/record_file.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -12,23 +11,6 @@
 
 namespace strobe::host {
 namespace {
-
-/// Records of several processes do not mix, nor does one cut off another's. Where the file system has no locks,
-/// one process alone may use the file.
-class Lock {
- public:
-  Lock(int fd, bool needed) : fd_(needed ? fd : -1) {
-    if (fd_ >= 0) ::flock(fd_, LOCK_EX);
-  }
-  Lock(const Lock&) = delete;
-  Lock& operator=(const Lock&) = delete;
-  ~Lock() {
-    if (fd_ >= 0) ::flock(fd_, LOCK_UN);
-  }
-
- private:
-  int fd_;
-};
 
 std::optional<off_t> size_of(int fd) {
   struct stat status {};
@@ -47,16 +29,15 @@ tl::unexpected<Error> RecordFile::doubtful(std::string why) {
 }
 
 Result<RecordFile> RecordFile::open(const std::filesystem::path& path, Use use) {
-  const int flags = use == Use::alone ? O_WRONLY | O_EXCL : O_RDWR;
+  const int flags = use == Use::anew ? O_WRONLY | O_EXCL : O_RDWR;
   const int fd = ::open(path.c_str(), flags | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (fd < 0) return fail(path.string() + ": cannot be written: " + std::strerror(errno));
-  return RecordFile(path, fd, use);
+  return RecordFile(path, fd);
 }
 
 RecordFile::RecordFile(RecordFile&& other) noexcept
     : path_(std::move(other.path_)),
       fd_(std::exchange(other.fd_, -1)),
-      use_(other.use_),
       waiting_(std::move(other.waiting_)),
       waiting_bytes_(other.waiting_bytes_),
       lost_(std::move(other.lost_)),
@@ -98,7 +79,6 @@ bool RecordFile::mend() {
 }
 
 bool RecordFile::write_whole(const std::string& record) {
-  const Lock lock(fd_, use_ == Use::shared);
   if (!mend()) return false;
   const auto before = size_of(fd_);
   if (!before) return false;

@@ -1,6 +1,7 @@
 // A file that grows by whole records. A record that cannot be written leaves nothing of itself behind: what was
 // written of it is cut off again. It waits in memory with those that follow and is tried again, in order. The
-// caller is told of every failure. Writes a file; one thread's.
+// caller is told of every failure, and sees to it that nobody else writes the file (run_lock.hpp). Writes a file; one
+// thread's.
 #pragma once
 
 #include <sys/types.h>
@@ -24,8 +25,8 @@ class RecordFile {
   static constexpr std::size_t kMaxWaiting_bytes = std::size_t{64} << 20;
 
   enum class Use {
-    alone,   ///< a file that did not exist
-    shared,  ///< other processes may append to it, too
+    anew,    ///< a file that did not exist
+    append,  ///< to what is there, if any
   };
   /// Fails with the path and the system's reason, which errno has, too.
   static Result<RecordFile> open(const std::filesystem::path& path, Use use);
@@ -62,7 +63,7 @@ class RecordFile {
     std::string record;
     std::string kind;
   };
-  RecordFile(std::filesystem::path path, int fd, Use use) : path_(std::move(path)), fd_(fd), use_(use) {}
+  RecordFile(std::filesystem::path path, int fd) : path_(std::move(path)), fd_(fd) {}
   bool write_whole(const std::string& record);
   bool mend();
   tl::unexpected<Error> because() const;
@@ -70,7 +71,6 @@ class RecordFile {
 
   std::filesystem::path path_;
   int fd_ = -1;
-  Use use_;
   std::deque<Waiting> waiting_;
   std::size_t waiting_bytes_ = 0;
   std::map<std::string, int> lost_;

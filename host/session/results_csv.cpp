@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
 #include <span>
 
 #include "host/config/notes.hpp"
@@ -89,11 +87,10 @@ std::string results_line(const ShotResult& shot_result, const std::string& utc, 
 Result<ResultsCsv> ResultsCsv::open(const std::filesystem::path& path) {
   auto file = CsvFile::open(path, results_header(), earlier_results_headers());
   if (!file) return tl::unexpected(file.error());
-  std::ifstream lines(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(lines), {}};
-  if (lines.bad()) return fail(path.string() + ": cannot be read");
+  const auto rows = read_results_rows(path);
+  if (!rows) return tl::unexpected(rows.error());
   std::vector<ShotKey> shots;
-  for (const ResultsRow& row : parse_results(text)) shots.push_back(row.key);
+  for (const ResultsRow& row : *rows) shots.push_back(row.key);
   return ResultsCsv(std::move(*file), std::move(shots));
 }
 

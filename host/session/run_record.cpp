@@ -4,9 +4,9 @@
 
 #include <charconv>
 #include <nlohmann/json.hpp>
-#include <system_error>
 
 #include "common/config/files.hpp"
+#include "common/messages/parsed_json.hpp"
 
 namespace strobe::host {
 namespace {
@@ -32,7 +32,7 @@ std::int64_t host_id_of(const Json& object) {
 }
 
 std::optional<RunRecord> run_of(std::string_view line) {
-  const Json object = Json::parse(line, nullptr, false);
+  const Json object = messages::parsed_json<Json>(line);
   if (!object.is_object()) return std::nullopt;
   RunRecord run;
   run.utc = value_of(object, "utc", std::string());
@@ -87,29 +87,32 @@ std::string run_line(const RunRecord& run) {
   return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+void RunRecords::add(std::string_view line, int number) {
+  if (line.find_first_not_of(" \t\r") == std::string_view::npos) return;
+  if (auto run = run_of(line)) {
+    runs.push_back(std::move(*run));
+  } else {
+    remarks.push_back(fmt::format("runs.jsonl:{}: not the record of a run; it is left out", number));
+  }
+}
+
 RunRecords parse_runs(std::string_view text) {
   RunRecords records;
   for (int number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
-    const std::string_view line = text.substr(0, end);
+    records.add(text.substr(0, end), number);
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
-    if (auto run = run_of(line)) {
-      records.runs.push_back(std::move(*run));
-    } else {
-      records.remarks.push_back(
-          fmt::format("runs.jsonl:{}: not the record of a run; it is left out", number));
-    }
   }
   return records;
 }
 
 Result<RunRecords> read_runs(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) return RunRecords{};
-  const auto text = config::read_file(path.string());
-  if (!text) return tl::unexpected(text.error());
-  return parse_runs(*text);
+  RunRecords records;
+  int number = 0;
+  const auto read =
+      config::read_lines(path, [&](std::string_view line, bool) { records.add(line, ++number); });
+  if (!read) return tl::unexpected(read.error());
+  return records;
 }
 
 }  // namespace strobe::host

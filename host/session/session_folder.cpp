@@ -2,6 +2,7 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -35,6 +36,13 @@ Result<void> describe(const fs::path& table, std::string_view title, std::span<c
   std::error_code error;
   if (fs::exists(path, error) && config::read_file(path.string()) == text) return {};
   return config::write_file(path, text);
+}
+
+/// Whether what the file holds has no line's end.
+bool ends_torn(int fd) {
+  const off_t size = ::lseek(fd, 0, SEEK_END);
+  char last = '\n';
+  return size > 0 && ::pread(fd, &last, 1, size - 1) == 1 && last != '\n';
 }
 
 /// "2 FRAME, 1 READOUT"
@@ -80,7 +88,7 @@ Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folde
     return tl::unexpected(told.error());
   if (auto told = describe(folder / "flashes.csv", "Flashes, one row each", flashes_columns()); !told)
     return tl::unexpected(told.error());
-  auto words = RecordFile::open(folder / "shots.txt", RecordFile::Use::shared);
+  auto words = RecordFile::open(folder / "shots.txt", RecordFile::Use::append);
   if (!words) return tl::unexpected(words.error());
   auto log = EventLog::create(folder, utc);
   if (!log) return tl::unexpected(log.error());
@@ -122,10 +130,8 @@ void SessionFolder::add_text(const std::string& lines) try {
 /// A line that a power cut tore is ended first.
 void SessionFolder::add(const RunRecord& run) {
   const fs::path path = folder_ / "runs.jsonl";
-  const auto before = config::read_file(path.string());
-  const bool torn = before && !before->empty() && before->back() != '\n';
-  auto file = RecordFile::open(path, RecordFile::Use::shared);
-  Result<void> done = file ? file->append((torn ? "\n" : "") + run_line(run), "run")
+  auto file = RecordFile::open(path, RecordFile::Use::append);
+  Result<void> done = file ? file->append((ends_torn(file->fd()) ? "\n" : "") + run_line(run), "run")
                            : Result<void>(tl::unexpected(file.error()));
   if (done) done = file->close();
   if (done && !config::sync_folder(folder_))

@@ -152,11 +152,46 @@ TEST(FormerRuns, RowsOfTheTableTellWhichShotsCount) {
   counts.shot_id = 3;
   table += host::results_line(counts, "u", "1", "auto");  // torn: no end
   write_text(folder / "results.csv", table);
-  const auto rows = host::read_result_rows(folder.path());
+  const auto rows = host::read_result_rows(folder.path()).value();
   LONGS_EQUAL(2, rows.size());
   CHECK_TRUE(rows.at({0x2a, 1}));
   CHECK_FALSE(rows.at({0x2a, 2}));
   LONGS_EQUAL(1, read().counted());
+}
+
+TEST(FormerRuns, ATableOfAnySizeIsCounted) {
+  constexpr int kShots = 20'000;
+  std::string table = host::results_header() + "\n";
+  for (int shot = 1; shot <= kShots; ++shot)
+    table += "2026-01-31T09:30:00.000Z,2a," + std::to_string(shot) + ",," + std::string(1000, '0') +
+             ",\"a note\nof two lines\"\n";
+  write_text(folder / "results.csv", table);
+  CHECK_TRUE(table.size() > std::size_t{16} << 20);
+  LONGS_EQUAL(kShots, host::read_result_rows(folder.path()).value().size());
+  LONGS_EQUAL(kShots, read().counted());
+}
+
+TEST(FormerRuns, WhatCannotBeReadIsAnErrorAndNotNothing) {
+  const auto error = [this] {
+    const auto former = host::read_former_runs(folder.path(), "bench", key);
+    return former ? std::string() : former.error().message;
+  };
+  CHECK_EQUAL("", error());
+  for (const char* name : {"results.csv", "runs.jsonl"}) {
+    write_text(folder / name, "");
+    std::filesystem::resize_file(folder / name, std::uintmax_t{1} << 40);
+    CHECK_EQUAL((folder / name).string() + ": a line is longer than 1 MB", error());
+    std::filesystem::remove(folder / name);
+    std::filesystem::create_directory(folder / name);
+    CHECK_EQUAL((folder / name).string() + ": Is a directory", error());
+    std::filesystem::remove(folder / name);
+  }
+  write_text(folder / "results.csv",
+             "\"" + std::string(700'000, 'x') + "\n" + std::string(700'000, 'x') + "\n\n");
+  CHECK_EQUAL((folder / "results.csv").string() + ": a quoted field has no end", error());
+  std::filesystem::remove(folder / "results.csv");
+  std::filesystem::create_symlink("nowhere", folder / "host-20260131T093001Z.lcmlog");
+  CHECK_EQUAL((folder / "host-20260131T093001Z.lcmlog").string() + ": No such file or directory", error());
 }
 
 TEST(FormerRuns, MessagesOfStrangersAreNotReadFromALog) {

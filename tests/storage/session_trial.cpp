@@ -17,6 +17,7 @@
 #include "common/config/files.hpp"
 #include "host/loop/stored_series.hpp"
 #include "host/session/results_csv.hpp"
+#include "host/session/run_lock.hpp"
 #include "tests/storage/scripted_bench.hpp"
 
 namespace strobe::storage {
@@ -77,6 +78,11 @@ bool take_away(const testing::DiskFault& fault, const fs::path& folder, int turn
 }
 
 void fire(Run& run, const fs::path& folder, const char* utc, int shots, const testing::DiskFault& fault) {
+  const auto lock = host::RunLock::of_session(folder, "ann@lab", WallTime{});
+  if (!lock) {
+    run.refused = lock.error().message;
+    return;
+  }
   auto opened = host::SessionFolder::open(folder, utc, "rig = \"bench\"\n", "train = \"free\"\n",
                                           {"camera.toml", "px_per_m = 9\n"});
   if (!opened) {

@@ -7,6 +7,7 @@
 
 #include "common/config/files.hpp"
 #include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 
 namespace strobe::commission {
 namespace {
@@ -43,7 +44,7 @@ std::optional<StepState> state_of(const std::string& word) {
 }
 
 std::optional<RecordedStep> step_of(std::string_view line) {
-  const Json object = Json::parse(line, nullptr, false);
+  const Json object = messages::parsed_json<Json>(line);
   if (!object.is_object()) return std::nullopt;
   RecordedStep step;
   const auto state = state_of(text_of(object, "state"));
@@ -123,11 +124,9 @@ Record parse_record(std::string_view text) {
 }
 
 Result<Record> read_record(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) return Record{};
-  const auto text = config::read_file(path.string());
+  const auto text = config::read_file_if_any(path);
   if (!text) return tl::unexpected(text.error());
-  return parse_record(*text);
+  return *text ? parse_record(**text) : Record{};
 }
 
 std::filesystem::path record_path(const std::filesystem::path& rig_path,

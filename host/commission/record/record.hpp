@@ -48,7 +48,7 @@ std::filesystem::path record_path(const std::filesystem::path& rig_path,
                                   const host::CommissionTable& settings);
 
 /// SHA-256 of what these tables of the rig file say, and for "camera" also its calibration: comments, order and
-/// other tables do not change it. Empty: the text is no TOML.
+/// other tables do not change it. Empty: the text is no TOML that can be read.
 std::string tables_hash(const host::RigFile& rig, const std::vector<std::string>& tables);
 
 /// How the record stands on a day.

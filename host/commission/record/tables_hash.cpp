@@ -9,6 +9,7 @@
 #include <array>
 #include <sstream>
 
+#include "common/config/toml_bounds.hpp"
 #include "host/commission/record/record.hpp"
 
 namespace strobe::commission {
@@ -25,6 +26,7 @@ std::string sha256(std::string_view bytes) {
 }  // namespace
 
 std::string tables_hash(const host::RigFile& rig, const std::vector<std::string>& tables) try {
+  if (config::toml_bounds_problem(rig.text)) return {};
   const toml::table root = toml::parse(rig.text);
   std::ostringstream out;
   for (const std::string& name : tables) {

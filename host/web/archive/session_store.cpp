@@ -128,6 +128,7 @@ Answered<std::vector<ShotRow>> SessionStore::rows_of(const fs::path& folder) {
     for (const StoredShot& shot : (*stored)->session->shots) rows.push_back(shot_row(shot));
     return rows;
   }
+  if (rows.empty() && !table->problem.empty()) return unanswered(409, table->problem);
   std::set<ShotKey> edited;
   for (const ShotRow& row : rows)
     if (edits.shots.contains(row.key)) edited.insert(row.key);

@@ -8,6 +8,7 @@
 #include "common/messages/or_null.hpp"
 #include "host/archive/stored_digitizations.hpp"
 #include "host/config/rig_file.hpp"
+#include "host/session/results_rows.hpp"
 #include "host/session/run_record.hpp"
 #include "host/web/archive/session_folders.hpp"
 
@@ -17,14 +18,23 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-std::string own_text(const fs::path& folder, const char* name) {
-  if (!is_own_file(folder, folder / name)) return "";
-  return config::read_file((folder / name).string()).value_or("");
+/// What `read` makes of a file of the folder; nothing of a link, nor of what cannot be read, which the problem tells.
+template <typename Value>
+Value own(SessionTable& table, const char* name, Result<Value> (*read)(const fs::path&)) {
+  const fs::path path = table.folder / name;
+  if (!is_own_file(table.folder, path)) return {};
+  auto value = read(path);
+  if (value) return std::move(*value);
+  if (table.problem.empty()) table.problem = value.error().message;
+  return {};
 }
 
-std::string rig_name(const fs::path& folder) {
-  const auto rig = host::read_rig(own_text(folder, "rig.toml"), "rig.toml");
-  return rig ? rig->rig : "";
+Result<std::string> rig_name(const fs::path& path) {
+  const auto text = config::read_file(path.string());
+  if (!text) return tl::unexpected(text.error());
+  const auto rig = host::read_rig(*text, path.filename().string());
+  if (!rig) return tl::unexpected(rig.error());
+  return rig->rig;
 }
 
 /// What all rows have; null where they differ.
@@ -41,9 +51,9 @@ ordered_json common_json(const std::vector<ShotRow>& rows, Of of) {
 SessionTable read_table(const fs::path& folder) {
   SessionTable table;
   table.folder = folder;
-  table.rig = rig_name(folder);
-  table.rows = shot_rows(own_text(folder, "results.csv"));
-  for (const host::RunRecord& run : host::parse_runs(own_text(folder, "runs.jsonl")).runs)
+  table.rig = own(table, "rig.toml", rig_name);
+  table.rows = shot_rows(own(table, "results.csv", host::read_results_rows));
+  for (const host::RunRecord& run : own(table, "runs.jsonl", host::read_runs).runs)
     if (table.utc.empty() || run.utc < table.utc) table.utc = run.utc;
   if (table.utc.empty() && !table.rows.empty()) table.utc = table.rows.front().utc;
   return table;
@@ -63,7 +73,8 @@ ordered_json session_json(const SessionTable& table, bool live) {
           {"spin", common_json(table.rows, [&](const ShotRow& row) { return word(row.spin); })},
           {"angle_deg",
            common_json(table.rows, [](const ShotRow& row) { return messages::or_null(row.angle_deg); })},
-          {"live", live}};
+          {"live", live},
+          {"problem", word(table.problem)}};
 }
 
 Edits edits_of(const fs::path& session) {

@@ -16,12 +16,13 @@ struct SessionTable {
   std::string utc;            ///< of its first run, else of its first shot; empty: not known
   std::string rig;            ///< empty: not known
   std::vector<ShotRow> rows;  ///< of results.csv
+  std::string problem;        ///< a line on the first file that cannot be read; empty: none
 };
 
-/// What cannot be read is absent. A line that a host is still writing is left out.
+/// What cannot be read is absent, and told. A line that a host is still writing is left out.
 SessionTable read_table(const std::filesystem::path& folder);
 
-/// {"id","utc","shots","counted","rig","spin","angle_deg","live"}: a spin or angle that all shots have.
+/// {"id","utc","shots","counted","rig","spin","angle_deg","live","problem"}: a spin or angle that all shots have.
 nlohmann::ordered_json session_json(const SessionTable& table, bool live);
 
 /// Shots of which a photograph was measured again: results.csv need not know of it.

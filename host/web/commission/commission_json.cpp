@@ -66,6 +66,10 @@ ordered_json record_json(const commission::Record& record, std::span<const StepI
           {"steps", any ? std::move(steps) : ordered_json::array()}};
 }
 
+bool asks_at_console(const commission::Prompt& prompt) {
+  return prompt.moves || prompt.kind == commission::Prompt::Kind::question;
+}
+
 ordered_json run_json(const RunView& run) {
   ordered_json steps = ordered_json::array();
   for (const auto& view : run.steps)
@@ -75,7 +79,8 @@ ordered_json run_json(const RunView& run) {
     prompt = {{"step", run.prompted_step},
               {"kind", name_of(run.prompt->kind)},
               {"words", run.prompt->words},
-              {"moves", run.prompt->moves}};
+              {"moves", run.prompt->moves},
+              {"at_console", asks_at_console(*run.prompt)}};
   return {{"running", run.running},
           {"rig", run.rig},
           {"utc", run.utc},

@@ -27,7 +27,9 @@ struct RunView {
   std::string prompted_step;  ///< its id
   std::string waiting;
 };
-/// Likewise; "prompt" is {"step","kind","words","moves"} while a person is asked.
+/// Whether only who stands at the rig may answer: what makes outputs move, and what follows on it, seen or heard.
+bool asks_at_console(const commission::Prompt& prompt);
+/// As record_json(); "prompt" is {"step","kind","words","moves","at_console"} while a person is asked.
 nlohmann::ordered_json run_json(const RunView& run);
 
 }  // namespace strobe::web

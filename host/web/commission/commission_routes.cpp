@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "common/messages/parsed_json.hpp"
 #include "host/commission/all_steps.hpp"
 
 namespace strobe::web {
@@ -34,7 +35,7 @@ void CommissionRun::show(const RunView& run) {
     if (json == json_) return;
     json_ = json;
     prompted_ = run.prompt.has_value();
-    moves_ = run.prompt && run.prompt->moves;
+    at_console_ = run.prompt && asks_at_console(*run.prompt);
     prompted_step_ = run.prompted_step;
   }
   hub_.publish("commission", std::move(json));
@@ -51,7 +52,7 @@ std::string CommissionRun::json() const {
 }
 
 Response CommissionRun::ask(const Request& request, Asked::Kind kind) {
-  const ordered_json body = ordered_json::parse(request.body, nullptr, false);
+  const ordered_json body = messages::parsed_json<ordered_json>(request.body);
   if (!body.is_object()) return error_response(400, "a JSON object is wanted");
   Asked asked{kind, "", request.from};
   if (kind == Asked::Kind::confirm) {
@@ -64,7 +65,7 @@ Response CommissionRun::ask(const Request& request, Asked::Kind kind) {
   if (kind == Asked::Kind::confirm) {
     if (!prompted_ || prompted_step_ != asked.step)
       return error_response(409, "this step does not ask for anything now");
-    if (moves_) return error_response(403, "it makes outputs move: confirm it at the console");
+    if (at_console_) return error_response(403, "only who stands at the rig can answer: at the console");
   }
   if (asked_.size() >= kMaxAsked) return error_response(503, "too much waits");
   asked_.push_back(std::move(asked));

@@ -1,5 +1,6 @@
 // Commissioning on the page: the record of a rig, or the run under way, which viewers may confirm and repeat as far as it
-// watches inputs alone. Whatever makes outputs move is answered at the console, whatever is sent here.
+// watches inputs alone. Whatever makes outputs move, and each question on what a person saw or heard of it, is answered at the
+// console, whatever is sent here.
 #pragma once
 
 #include <filesystem>
@@ -37,7 +38,7 @@ class CommissionRun {
 
   // For the network's threads
   std::string json() const;
-  /// 200, or why not: 400, 409 where nothing is asked, 403 where outputs would move.
+  /// 200, or why not: 400, 409 where nothing is asked, 403 what only the console answers.
   Response ask(const Request& request, Asked::Kind kind);
 
  private:
@@ -47,7 +48,7 @@ class CommissionRun {
   mutable std::mutex mutex_;
   std::string json_ = "{}";
   std::string prompted_step_;
-  bool prompted_ = false, moves_ = false;
+  bool prompted_ = false, at_console_ = false;
   std::vector<Asked> asked_;
 };
 

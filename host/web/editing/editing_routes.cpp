@@ -5,6 +5,8 @@
 #include <system_error>
 
 #include "common/config/files.hpp"
+#include "common/config/toml_bounds.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "host/web/json/advice.hpp"
 #include "host/web/json/corrections_json.hpp"
 #include "host/web/json/images_json.hpp"
@@ -19,11 +21,14 @@ using nlohmann::ordered_json;
 constexpr const char* kCorrectionsName = "corrections.toml";
 
 Answered<std::string> corrections_in(const Request& request) {
-  const ordered_json body = ordered_json::parse(request.body, nullptr, false);
+  const ordered_json body = messages::parsed_json<ordered_json>(request.body);
   const auto found = body.is_object() ? body.find("corrections") : body.end();
   if (!body.is_object() || found == body.end() || !found->is_string())
     return unanswered(400, "the body must be {\"corrections\":\"TOML\"}");
-  return found->get<std::string>();
+  std::string text = found->get<std::string>();
+  if (const auto problem = config::toml_bounds_problem(text))
+    return unanswered(400, std::string(kCorrectionsName) + ":" + problem->message);
+  return text;
 }
 
 ordered_json result_values(const host::ShotResult& result) {

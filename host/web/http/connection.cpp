@@ -113,13 +113,14 @@ void Connection::on_request() {
   if (admitted_->events) return stream();
   const bool keep_alive = intake_.keep_alive();
   if (admitted_->file) return respond(*admitted_->file, keep_alive);
-  if (admitted_->found.work == Work::slow) return work();
+  if (admitted_->found.work == Work::slow) return work(services_.worker);
+  if (admitted_->found.work == Work::waits) return work(services_.waiter);
   respond(Router::answer(admitted_->found, admitted_->request), keep_alive);
 }
 
 /// On the worker's thread, which hands the answer back.
-void Connection::work() {
-  const bool taken = services_.worker.add([self = shared_from_this()]() mutable {
+void Connection::work(Worker& worker) {
+  const bool taken = worker.add([self = shared_from_this()]() mutable {
     Response response = Router::answer(self->admitted_->found, self->admitted_->request);
     net::io_context& io = self->services_.io;
     net::post(io, [self = std::move(self), response = std::move(response)] {

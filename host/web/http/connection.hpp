@@ -23,7 +23,8 @@ struct Services {
   boost::asio::io_context& io;
   const Gate& gate;
   EventHub& hub;
-  Worker& worker;
+  Worker& worker;  ///< of slow work
+  Worker& waiter;  ///< of work that waits
   Patience patience;
   std::size_t max_viewers;  ///< of the event stream
   std::size_t viewers = 0;
@@ -55,7 +56,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   void go_on();
   void on_head();
   void on_request();
-  void work();
+  void work(Worker& worker);
   void respond(const Response& response, bool keep_alive);
   void write(std::string head, std::shared_ptr<const std::string> body, bool keep_alive);
   void written(bool keep_alive);

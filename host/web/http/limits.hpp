@@ -17,7 +17,7 @@ struct Patience {
 struct Limits {
   std::size_t connections = 200;
   std::size_t viewers = 20;        ///< of the event stream
-  std::size_t slow_requests = 16;  ///< that wait
+  std::size_t slow_requests = 16;  ///< that wait, of each worker
   Patience patience;
 };
 

@@ -61,10 +61,12 @@ class PageServer::Implementation {
               settings.files_folder.empty() ? Files() : Files(settings.files_folder)),
         hub_(hub),
         worker_(settings.limits.slow_requests),
+        waiter_(settings.limits.slow_requests),
         services_{io_,
                   gate_,
                   hub,
                   worker_,
+                  waiter_,
                   settings.limits.patience,
                   settings.limits.viewers,
                   0,
@@ -81,7 +83,8 @@ class PageServer::Implementation {
 
   bool end() {
     if (!thread_.joinable()) return work_ended_;
-    work_ended_ = worker_.end();
+    const bool waited = waiter_.end();
+    work_ended_ = worker_.end() && waited;
     hub_.publish("end", "{}");
     net::post(io_, [this] {
       error_code error;
@@ -204,7 +207,7 @@ class PageServer::Implementation {
   std::string secret_;
   Gate gate_;
   EventHub& hub_;
-  Worker worker_;
+  Worker worker_, waiter_;
   Services services_;
   std::size_t max_connections_;
   std::vector<std::shared_ptr<Connection>> connections_;  // the oldest first

@@ -13,6 +13,7 @@ namespace strobe::web {
 enum class Work {
   quick,  ///< on the network's thread: microseconds
   slow,   ///< on the worker's thread; when too much waits for it, the answer is 503
+  waits,  ///< likewise on a worker of its own, which slow work does not hold up: a second at most
 };
 
 class Router {

@@ -7,6 +7,7 @@
 #include "common/config/files.hpp"
 #include "common/messages/json_conversions.hpp"
 #include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "host/archive/results_table.hpp"
 #include "host/assembly/camera_map.hpp"
 #include "host/series/from_session.hpp"
@@ -24,8 +25,9 @@ using host::StoredShot;
 using nlohmann::ordered_json;
 
 ordered_json parsed_json(const std::string& text) {
-  ordered_json object = ordered_json::parse(text, nullptr, false);
-  return object.is_discarded() ? ordered_json() : object;
+  ordered_json object = messages::parsed_json<ordered_json>(text);
+  if (object.is_discarded()) object = nullptr;
+  return object;
 }
 
 ordered_json flag_words_json(const host::ShotResult& result) {

@@ -79,12 +79,12 @@ class ResultsColumns {
 
 }  // namespace
 
-std::vector<ShotRow> shot_rows(std::string_view results_csv) {
+std::vector<ShotRow> shot_rows(const std::vector<host::ResultsRow>& results) {
   static const ResultsColumns columns;
   std::vector<ShotRow> rows;
   std::vector<ShotKey> keys;
   std::set<ShotKey> known;
-  for (const host::ResultsRow& line : host::parse_results(results_csv)) {
+  for (const host::ResultsRow& line : results) {
     if (!known.insert(line.key).second) continue;
     rows.push_back(columns.row(line));
     keys.push_back(line.key);

@@ -9,6 +9,7 @@
 
 #include "common/reduction/readout.hpp"
 #include "common/shot/shot_key.hpp"
+#include "host/session/results_rows.hpp"
 #include "host/session/shot_result.hpp"
 
 namespace strobe::web {
@@ -33,8 +34,8 @@ ShotRow shot_row(const host::ShotResult& result, std::string name, std::string u
                  std::string_view digitization);
 
 /// Rows of a results.csv, of this version or an earlier one, in its order, each shot once; lines that are none are
-/// left out. Any bytes.
-std::vector<ShotRow> shot_rows(std::string_view results_csv);
+/// left out.
+std::vector<ShotRow> shot_rows(const std::vector<host::ResultsRow>& results);
 
 /// {"vx_td_mps":{"value":15.4,"sd":0.19},…}: all quantities, the sd the total one; null where it is not known.
 nlohmann::ordered_json values_json(const reduction::Quantities& value, const reduction::Quantities& total_sd);

@@ -32,21 +32,28 @@ LiveChannel::Taken LiveChannel::take() {
 }
 
 void LiveChannel::end() {
-  const std::lock_guard lock(messages_mutex_);
-  ended_ = true;
-  changed_.notify_one();
+  {
+    const std::lock_guard lock(messages_mutex_);
+    ended_ = true;
+    changed_.notify_one();
+  }
+  const std::lock_guard lock(commands_mutex_);
+  nobody_takes_ = true;
+  commands_taken_.notify_all();
 }
 
-bool LiveChannel::command(LiveCommand command) {
-  {
-    const std::lock_guard lock(commands_mutex_);
-    if (commands_.size() >= kMaxCommands) return false;
-    commands_.push_back(std::move(command));
-    has_commands_ = true;
-  }
+LiveChannel::Given LiveChannel::command(LiveCommand command, std::chrono::milliseconds patience) {
+  std::unique_lock lock(commands_mutex_);
+  if (commands_.size() >= kMaxCommands) return Given::too_many;
+  if (commands_.empty()) oldest_ = std::chrono::steady_clock::now();
+  const auto deadline = oldest_ + patience;
+  commands_.push_back(std::move(command));
+  const std::int64_t own = ++given_;
+  has_commands_ = true;
   const std::uint64_t one = 1;
   if (event_ >= 0) static_cast<void>(!write(event_, &one, sizeof one));
-  return true;
+  commands_taken_.wait_until(lock, deadline, [&] { return taken_ >= own || nobody_takes_; });
+  return taken_ >= own ? Given::taken : Given::waits;
 }
 
 std::vector<LiveCommand> LiveChannel::take_commands() {
@@ -56,6 +63,8 @@ std::vector<LiveCommand> LiveChannel::take_commands() {
   std::uint64_t told = 0;
   if (event_ >= 0) static_cast<void>(!read(event_, &told, sizeof told));
   has_commands_ = false;
+  taken_ = given_;
+  commands_taken_.notify_all();
   return std::exchange(commands_, {});
 }
 

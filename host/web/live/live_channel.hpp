@@ -1,10 +1,12 @@
 // Between the host's loop and the page: the loop never waits, neither for the lock (it tries, and comes again with its
-// next turn) nor for room (what does not fit is left out and told). Commands wake the loop through a descriptor.
+// next turn) nor for room (what does not fit is left out and told). Commands wake the loop through a descriptor; who gives
+// one learns whether the loop has taken it.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <mutex>
 #include <vector>
@@ -17,6 +19,8 @@ class LiveChannel {
  public:
   static constexpr std::size_t kMaxMessages = 1024;
   static constexpr std::size_t kMaxCommands = 16;
+  /// A loop turns every 20 ms; one that has taken nothing for so long stands still.
+  static constexpr std::chrono::milliseconds kPatience{1000};
 
   LiveChannel();
   ~LiveChannel();
@@ -38,9 +42,14 @@ class LiveChannel {
   };
   /// Waits for messages, or the end.
   Taken take();
-  /// False if too many wait already.
-  bool command(LiveCommand command);
-  /// take() returns from now on at once.
+  enum class Given {
+    taken,     ///< by the loop
+    waits,     ///< the loop has taken no command for `patience`, and gets this one when it comes to it
+    too_many,  ///< wait already: it is not given
+  };
+  /// Waits for the loop to take it, until the oldest command that it has not taken is `patience` old.
+  Given command(LiveCommand command, std::chrono::milliseconds patience = kPatience);
+  /// take() and command() return from now on at once.
   void end();
 
  private:
@@ -50,7 +59,11 @@ class LiveChannel {
   std::deque<LiveMessage> messages_;
   bool ended_ = false;
   std::mutex commands_mutex_;
+  std::condition_variable commands_taken_;
   std::vector<LiveCommand> commands_;
+  std::int64_t given_ = 0, taken_ = 0;  ///< commands so far
+  std::chrono::steady_clock::time_point oldest_;
+  bool nobody_takes_ = false;
   std::atomic<bool> has_commands_{false};
 };
 

@@ -3,26 +3,30 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/messages/parsed_json.hpp"
+
 namespace strobe::web {
 namespace {
 
 /// The body of what asks for something to be done says nothing more.
 bool is_empty_object(const std::string& body) {
-  const auto json = nlohmann::json::parse(body, nullptr, false);
+  const auto json = messages::parsed_json<nlohmann::json>(body);
   return json.is_object() && json.empty();
 }
 
 Response ask(LiveState& state, const Request& request, LiveCommand::Kind kind, const char* cannot) {
   if (!is_empty_object(request.body)) return error_response(400, "the body must be {}");
   switch (state.ask({kind, request.from})) {
-    case LiveState::Asked::yes:
+    case LiveState::Asked::taken:
       return json_response({{"asked", true}}, 202);
+    case LiveState::Asked::waits:
+      return error_response(503, "the host has not taken it within a second");
     case LiveState::Asked::no:
       return error_response(409, cannot);
     case LiveState::Asked::too_often:
       break;
   }
-  return error_response(503, "the host has not yet done what it was asked before");
+  return error_response(503, "the host has not taken what it was asked before");
 }
 
 }  // namespace
@@ -34,10 +38,10 @@ void add_live_routes(Router& router, LiveState& state) {
     auto timing = state.timing_json();
     return timing ? json_text_response(std::move(*timing)) : error_response(404, "no firmware was heard yet");
   });
-  router.post("/api/v1/stop", Work::quick, [&state](const Request& request) {
+  router.post("/api/v1/stop", Work::waits, [&state](const Request& request) {
     return ask(state, request, LiveCommand::Kind::stop, "there is no series to be ended");
   });
-  router.post("/api/v1/disarm", Work::quick, [&state](const Request& request) {
+  router.post("/api/v1/disarm", Work::waits, [&state](const Request& request) {
     return ask(state, request, LiveCommand::Kind::disarm, "without the lab's key nothing can be disarmed");
   });
 }

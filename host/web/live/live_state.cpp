@@ -123,7 +123,15 @@ LiveState::Asked LiveState::ask(LiveCommand command) {
     const bool can = command.kind == LiveCommand::Kind::stop ? status_.can_stop : status_.can_disarm;
     if (!can) return Asked::no;
   }
-  return channel_.command(std::move(command)) ? Asked::yes : Asked::too_often;
+  switch (channel_.command(std::move(command))) {
+    case LiveChannel::Given::taken:
+      return Asked::taken;
+    case LiveChannel::Given::waits:
+      return Asked::waits;
+    case LiveChannel::Given::too_many:
+      break;
+  }
+  return Asked::too_often;
 }
 
 }  // namespace strobe::web

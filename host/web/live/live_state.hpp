@@ -41,10 +41,12 @@ class LiveState {
   std::optional<std::string> timing_json() const;
 
   enum class Asked {
-    yes,       ///< the host has been asked
+    taken,     ///< the host's loop has it, and does it in the same turn
+    waits,     ///< the loop stands still, and gets it when it goes on
     no,        ///< it cannot do that now
     too_often  ///< it has not come to what it was asked before
   };
+  /// Waits for a second at most: LiveChannel::command().
   Asked ask(LiveCommand command);
 
   static constexpr std::size_t kMaxNotifications = 50;

@@ -59,10 +59,10 @@ TEST_GROUP(ResultsMadeAnew) {
 
 TEST(ResultsMadeAnew, AreTheBytesThatFireWrote) {
   const std::string before = written(folder / "results.csv", session.shots);
-  CHECK_EQUAL(before, host::results_table(session, before));
+  CHECK_EQUAL(before, host::results_table(session, host::parse_results(before)));
   CHECK_TRUE(host::rebuild_results(session, folder / "results.csv").has_value());
   CHECK_EQUAL(before, read_text(folder / "results.csv"));
-  CHECK_EQUAL(before, host::results_table(session, ""));
+  CHECK_EQUAL(before, host::results_table(session, {}));
   STRCMP_CONTAINS("\"digitization\"", read_text(folder / "results.csv-metadata.json").c_str());
 }
 
@@ -72,14 +72,14 @@ TEST(ResultsMadeAnew, HaveTheRowsThatWereMissingEachOnce) {
   for (const std::string& lost :
        {header + row(session.shots[2]), header + row(session.shots[0]) + row(session.shots[0]),
         header + row(session.shots[1]) + "2026-01-31T09", header.substr(0, 20), std::string()})
-    CHECK_EQUAL(all, host::results_table(session, lost));
+    CHECK_EQUAL(all, host::results_table(session, host::parse_results(lost)));
 }
 
 TEST(ResultsMadeAnew, KeepTheOrderInWhichTheResultsCame) {
   const std::string header = host::results_header() + "\n";
   const std::string before = header + row(session.shots[2]) + row(session.shots[0]);
   CHECK_EQUAL(header + row(session.shots[2]) + row(session.shots[0]) + row(session.shots[1]),
-              host::results_table(session, before));
+              host::results_table(session, host::parse_results(before)));
 }
 
 TEST(ResultsMadeAnew, KeepRowsThatTheSessionDoesNotTellOf) {
@@ -87,8 +87,8 @@ TEST(ResultsMadeAnew, KeepRowsThatTheSessionDoesNotTellOf) {
   // A version's that had neither of the last two columns.
   std::string shorter = row(other);
   shorter.erase(shorter.size() - std::string(",auto,9\n").size());
-  const std::string table =
-      host::results_table(session, host::earlier_results_headers().front() + "\n" + shorter + "\n");
+  const std::string table = host::results_table(
+      session, host::parse_results(host::earlier_results_headers().front() + "\n" + shorter + "\n"));
   STRCMP_CONTAINS((shorter + ",,\n").c_str(), table.c_str());
   STRCMP_CONTAINS(row(session.shots[0]).c_str(), table.c_str());
 }
@@ -99,6 +99,6 @@ TEST(ResultsMadeAnew, SayWhoMeasured) {
       {*corrected.result.frame, true, kUtc, "ann@lab", "digitizations/x.json", {}});
   session.shots[2].digitizations.clear();
   session.shots[2].result.frame.reset();
-  const std::string table = host::results_table(session, "");
+  const std::string table = host::results_table(session, {});
   for (const char* words : {",auto,1\n", ",corrected,2\n", ",,3\n"}) STRCMP_CONTAINS(words, table.c_str());
 }

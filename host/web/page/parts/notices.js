@@ -14,8 +14,9 @@ export function viewHeading(text) {
   return h("h1", { tabindex: "-1" }, text);
 }
 
-export function badge(level, text) {
-  return h("span", { class: `badge ${level}` }, text);
+/// title: more of it, for who points at it.
+export function badge(level, text, title = null) {
+  return h("span", { class: `badge ${level}`, title }, text);
 }
 
 export function details(title, content, { open = false, id = null, ontoggle = null } = {}) {

@@ -1,5 +1,5 @@
 // The rig proved step by step: the run under way, or its record. Viewers may confirm what only watches inputs; whatever makes
-// outputs move is answered at the console.
+// outputs move, and what somebody saw or heard of it, is answered at the console.
 import { getJson, path, postJson } from "../live/api.js";
 import { fill, h, refill, setText } from "../parts/dom.js";
 import { badge, problem, quiet, viewHeading } from "../parts/notices.js";
@@ -43,11 +43,12 @@ function promptContent({ prompt, waiting, steps }) {
     );
   const button = (words, action) => h("button", { type: "button", onclick: action }, words);
   if (prompt) {
-    const console = h("p", {}, h("strong", {}, "Answer at the console: "), "it makes outputs move.");
+    const why = prompt.moves ? "it makes outputs move." : "only who stands at the rig can tell.";
+    const console = h("p", {}, h("strong", {}, "Answer at the console: "), why);
     return [
       heading("Asked"),
       h("p", {}, prompt.words),
-      prompt.moves ? console : button("Confirm", send("confirm", { step: prompt.step }, "Confirmed.")),
+      prompt.at_console ? console : button("Confirm", send("confirm", { step: prompt.step }, "Confirmed.")),
       answer,
     ];
   }

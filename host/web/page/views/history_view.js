@@ -32,7 +32,7 @@ function sessionsTable(sessions) {
   const rows = sessions.map((s) => ({
     head: h("a", { href: routeTo("history", [s.id]) }, s.id),
     cells: [
-      s.live ? badge("plain", "live") : "",
+      s.live ? badge("plain", "live") : s.problem ? badge("caution", "unreadable", s.problem) : "",
       dateAndTime(s.utc),
       s.rig ?? "",
       condition(s),

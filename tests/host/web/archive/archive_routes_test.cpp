@@ -105,6 +105,33 @@ TEST(ArchiveRoutes, ListSessionsNewestFirst) {
   LONGS_EQUAL(0, archive->sessions.readings());
 }
 
+/// As somebody may have sent it: what the parsers cannot take, and what is too large to be a file of ours.
+TEST(ArchiveRoutes, ListASessionThatCannotBeReadAsOne) {
+  write("good", 1);
+  write("keys", 1);
+  write("lines", 1);
+  std::string keys;
+  for (int i = 0; i < 120'000; ++i) keys += "a.";
+  testing::write_text(sessions / "keys" / "rig.toml", keys + "a = 1\n");
+  testing::write_text(sessions / "lines" / "results.csv", "");
+  fs::resize_file(sessions / "lines" / "results.csv", std::uintmax_t{1} << 40);
+  testing::write_text(sessions / "good" / "runs.jsonl", std::string(1'000'000, '[') + "\n");
+  const ordered_json list = json("/sessions");
+  LONGS_EQUAL(3, list.size());
+  std::map<std::string, std::string> problems;
+  for (const auto& session : list)
+    if (session["problem"].is_string())
+      problems[session["id"].get<std::string>()] = session["problem"].get<std::string>();
+  CHECK_EQUAL("", problems["good"]);
+  CHECK_EQUAL("rig.toml:1: a key of more than 16 parts", problems["keys"]);
+  STRCMP_CONTAINS("results.csv: a line is longer than 1 MB", problems["lines"].c_str());
+  json("/sessions/keys/shots/1", {}, 409);
+  json("/sessions/lines/shots/1", {}, 409);
+  json("/sessions/lines/shots", {}, 409);
+  LONGS_EQUAL(1, json("/sessions/keys/shots")["shots"].size());
+  LONGS_EQUAL(1, json("/sessions/good/shots")["shots"].size());
+}
+
 TEST(ArchiveRoutes, NameSessionsWhateverTheirFoldersAreCalled) {
   const std::vector<std::string> names{"<b>\"&amp;", "100% sure", "bad\xff\xfeutf", "tab\there", "später"};
   for (const std::string& name : names) write(name, 1);

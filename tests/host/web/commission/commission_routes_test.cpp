@@ -74,6 +74,21 @@ TEST(CommissionRoutes, NeverConfirmWhatMoves) {
   LONGS_EQUAL(0, run.take_asked().size());
 }
 
+/// "Did the trigger click exactly once?" is for whoever heard it.
+TEST(CommissionRoutes, NeverAnswerAQuestion) {
+  add_run_routes(router, run);
+  RunView view = prompted(false);
+  view.prompt->kind = Prompt::Kind::question;
+  run.show(view);
+  CHECK_TRUE(body_of(ask("GET", "/api/v1/commission"))["prompt"]["at_console"].get<bool>());
+  LONGS_EQUAL(403, ask("POST", "/api/v1/commission/confirm", R"({"step":"key"})").status);
+  LONGS_EQUAL(0, run.take_asked().size());
+  view.prompt->kind = Prompt::Kind::after_failure;
+  run.show(view);
+  CHECK_FALSE(body_of(ask("GET", "/api/v1/commission"))["prompt"]["at_console"].get<bool>());
+  LONGS_EQUAL(200, ask("POST", "/api/v1/commission/confirm", R"({"step":"key"})").status);
+}
+
 TEST(CommissionRoutes, RefuseWhatIsNotAskedForOrNotUnderstood) {
   add_run_routes(router, run);
   LONGS_EQUAL(409, ask("POST", "/api/v1/commission/confirm", R"({"step":"key"})").status);

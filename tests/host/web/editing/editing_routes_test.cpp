@@ -129,7 +129,7 @@ TEST(EditingRoutes, SavingGivesTheBytesThatTheCommandGives) {
   CHECK_TRUE(files_of(today) == files_of(elsewhere));
   LONGS_EQUAL(2, std::distance(fs::directory_iterator(today / "digitizations"), fs::directory_iterator()));
   const auto table = [&](const fs::path& folder) {
-    return host::results_table(host::read_session(folder, reading).value(), "");
+    return host::results_table(host::read_session(folder, reading).value(), {});
   };
   CHECK_EQUAL(table(elsewhere), table(today));
 }
@@ -168,6 +168,33 @@ TEST(EditingRoutes, CorrectionsThatCannotBeReadAreToldAndChangeNothing) {
   json_of(ask("POST", "2/corrections", body_of(corrections())), 404);
   json_of(ask("POST", "../1/corrections", body_of(corrections())), 404);
   CHECK_TRUE(before == files_of(today));
+}
+
+/// 240 kB, of which the parser would make as many tables within each other.
+TEST(EditingRoutes, WhatNoParserCanTakeIsRefusedAndTheHostGoesOn) {
+  std::string keys;
+  for (int i = 0; i < 120'000; ++i) keys += "a.";
+  for (const char* path : {"1/preview", "1/corrections"}) {
+    const ordered_json refused = json_of(ask("POST", path, body_of(keys + "a = 1\n")), 400);
+    CHECK_EQUAL("corrections.toml:1: a key of more than 16 parts", refused["error"].get<std::string>());
+    json_of(ask("POST", path, std::string(240'000, '[')), 400);
+    json_of(
+        ask("POST", path,
+            "{\"corrections\":\"\",\"more\":" + std::string(120'000, '[') + std::string(120'000, ']') + "}"),
+        400);
+  }
+  CHECK_TRUE(json_of(ask("POST", "1/preview", body_of(corrections())))["after"].is_object());
+}
+
+TEST(EditingRoutes, AKeptDigitizationThatNestsTooDeepIsLeftOut) {
+  json_of(ask("POST", "1/corrections", body_of(corrections())));
+  const fs::path kept = today / "digitizations" / "shot-0001-4d-1.json";
+  std::string text = testing::read_text(kept);
+  text.insert(text.rfind('}'), ",\"unmeasured\":" + std::string(200'000, '[') + std::string(200'000, ']'));
+  testing::write_text(kept, text);
+  open();
+  const ordered_json shot = json_of(ask("GET", "1"));
+  CHECK_EQUAL("auto", shot["digitization"].get<std::string>());
 }
 
 TEST(EditingRoutes, NothingIsWrittenWhereALinkLeads) {

@@ -63,6 +63,10 @@ TEST_GROUP(WebServer) {
     router.get("/api/v1/large", Work::quick,
                [](const Request&) { return json_text_response(std::string(8 << 20, 'x')); });
     router.get("/api/v1/slow", Work::slow, [this](const Request&) { return gated.work(); });
+    router.post("/api/v1/ask", Work::waits, [this](const Request& request) {
+      ++stops;
+      return error_response(202, request.from);
+    });
     router.post("/api/v1/stop", Work::quick, [this](const Request& request) {
       ++stops;
       return error_response(200, request.body);
@@ -368,6 +372,7 @@ TEST(WebServer, SlowWorkHoldsUpNothingElseAndItsQueueEnds) {
     return std::ranges::count_if(waiting, [](const RawClient& viewer) { return viewer.has_something(); });
   };
   while (refused() < 2) CHECK_EQUAL("HTTP/1.1 200 OK", first_line(get("/api/v1/hello")));
+  CHECK_EQUAL("HTTP/1.1 202 Accepted", first_line(post("/api/v1/ask", "{}")));
   gated.open();
   std::multiset<std::string> answers;
   for (RawClient& viewer : waiting) answers.insert(viewer.read_answer().substr(9, 3));

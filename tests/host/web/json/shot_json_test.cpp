@@ -48,7 +48,7 @@ TEST(ShotJson, OfAResultIsThatOfItsRow) {
   result.rejected = "a flash, or \"two\", late";
   result.readout.flags.set(reduction::Flag::late_flash);
   result.readout.flags.set(reduction::Flag::sensor_missing);
-  const auto rows = web::shot_rows(table({result}));
+  const auto rows = web::shot_rows(host::parse_results(table({result})));
   LONGS_EQUAL(1, rows.size());
   const auto row = web::shot_row(result, "3", "2026-01-31T09:30:00.000Z", "auto");
   CHECK_EQUAL(web::shot_json(row, "today").dump(), web::shot_json(rows[0], "today").dump());
@@ -82,7 +82,7 @@ TEST(ShotJson, OfADryShotCountsForNothing) {
 TEST(ShotJson, RowsHaveTheNamesThatTheScreenHas) {
   ShotResult first = measured(), again = measured();
   again.boot_id = 0x1f2e4d0000000000;
-  const auto rows = web::shot_rows(table({first, again, first}));
+  const auto rows = web::shot_rows(host::parse_results(table({first, again, first})));
   LONGS_EQUAL(2, rows.size());  // each shot once
   CHECK_EQUAL("3", rows[0].name);
   CHECK_EQUAL("3/1f2e4d", rows[1].name);
@@ -95,7 +95,7 @@ TEST(ShotJson, RowsOfAnEarlierVersionLackWhatItLacked) {
     const std::size_t last = text.rfind(',');
     text.erase(last, text.size() - 1 - last);
   }
-  const auto rows = web::shot_rows(text);
+  const auto rows = web::shot_rows(host::parse_results(text));
   LONGS_EQUAL(1, rows.size());
   CHECK_EQUAL("", rows[0].digitization);
   CHECK_EQUAL("3", rows[0].name);
@@ -105,9 +105,9 @@ TEST(ShotJson, RowsOfAnEarlierVersionLackWhatItLacked) {
 TEST(ShotJson, TornLinesAndAnyBytesAreNoRows) {
   std::string text = table({measured(), measured()});
   text.resize(text.size() - 5);
-  LONGS_EQUAL(1, web::shot_rows(text).size());
-  LONGS_EQUAL(0, web::shot_rows("utc,boot_id\n\"\"\"\n,,,\n\xff\xfe").size());
-  const auto odd = web::shot_rows("now,2a,1,,1e999,nan,x\n");
+  LONGS_EQUAL(1, web::shot_rows(host::parse_results(text)).size());
+  LONGS_EQUAL(0, web::shot_rows(host::parse_results("utc,boot_id\n\"\"\"\n,,,\n\xff\xfe")).size());
+  const auto odd = web::shot_rows(host::parse_results("now,2a,1,,1e999,nan,x\n"));
   LONGS_EQUAL(1, odd.size());
   CHECK_FALSE(odd[0].value[Quantity::theta_in_deg].has_value());
 }
@@ -118,7 +118,7 @@ TEST(ShotJson, OfAnyBytesIsTextThatReadsBack) {
     std::string text = good;
     const auto at = *rc::gen::inRange<std::size_t>(0, text.size());
     text.replace(at, *rc::gen::inRange<std::size_t>(0, 40), *rc::gen::arbitrary<std::string>());
-    for (const web::ShotRow& row : web::shot_rows(text)) {
+    for (const web::ShotRow& row : web::shot_rows(host::parse_results(text))) {
       const std::string line = web::shot_json(row, text.substr(at, 9))
                                    .dump(-1, ' ', false, ordered_json::error_handler_t::replace);
       RC_ASSERT(ordered_json::parse(line)["values"].size() == reduction::kQuantityCount);

@@ -3,11 +3,14 @@
 #include <poll.h>
 
 #include <atomic>
+#include <chrono>
 #include <thread>
 
 #include "tests/support/string_from.hpp"
 
 using namespace strobe::web;
+using namespace std::chrono_literals;
+using Given = LiveChannel::Given;
 
 namespace {
 
@@ -70,7 +73,7 @@ TEST(LiveChannel, LosesNothingBetweenThreads) {
 TEST(LiveChannel, WakesTheHostWithWhatIsAskedOfIt) {
   CHECK(!readable(channel.descriptor()));
   CHECK(channel.take_commands().empty());
-  CHECK(channel.command({LiveCommand::Kind::disarm, "127.0.0.1"}));
+  CHECK(channel.command({LiveCommand::Kind::disarm, "127.0.0.1"}, 0ms) == Given::waits);
   CHECK(readable(channel.descriptor()));
   const auto commands = channel.take_commands();
   LONGS_EQUAL(1, commands.size());
@@ -80,11 +83,36 @@ TEST(LiveChannel, WakesTheHostWithWhatIsAskedOfIt) {
   CHECK(channel.take_commands().empty());
 }
 
-TEST(LiveChannel, TakesAFewCommandsAtATime) {
-  for (std::size_t i = 0; i < LiveChannel::kMaxCommands; ++i) CHECK(channel.command({}));
-  CHECK(!channel.command({}));
-  LONGS_EQUAL(LiveChannel::kMaxCommands, channel.take_commands().size());
-  CHECK(channel.command({}));
+TEST(LiveChannel, SaysThatACommandIsTakenOnceItIs) {
+  std::atomic<int> taken{0};
+  std::thread asker([this, &taken] {
+    for (int i = 0; i < 2; ++i) taken += channel.command({}, 60s) == Given::taken ? 1 : 0;
+  });
+  for (int all = 0; all < 2;) {
+    const auto commands = channel.take_commands();
+    if (!commands.empty()) LONGS_EQUAL(all, taken);  // not before
+    all += static_cast<int>(commands.size());
+    while (taken < all) std::this_thread::yield();
+  }
+  asker.join();
+  LONGS_EQUAL(2, taken);
+}
+
+TEST(LiveChannel, WaitsForALoopThatStandsStillOnceAndNotForEachCommand) {
+  const auto begun = std::chrono::steady_clock::now();
+  for (std::size_t i = 0; i < LiveChannel::kMaxCommands; ++i)
+    CHECK(channel.command({}, 300ms) == Given::waits);
+  CHECK(std::chrono::steady_clock::now() - begun >= 300ms);
+  CHECK(std::chrono::steady_clock::now() - begun < 16 * 300ms);
+  CHECK(channel.command({}, 300ms) == Given::too_many);
+  LONGS_EQUAL(LiveChannel::kMaxCommands, channel.take_commands().size());  // a late stop is one
+  CHECK(channel.command({}, 0ms) == Given::waits);
+}
+
+TEST(LiveChannel, EndsForWhoWaitsForTheLoop) {
+  std::thread asker([this] { CHECK(channel.command({}, 3600s) == Given::waits); });
+  channel.end();
+  asker.join();
 }
 
 TEST(LiveChannel, EndsForWhoWaits) {

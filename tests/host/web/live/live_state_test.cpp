@@ -134,14 +134,32 @@ TEST(LiveState, AsksTheHostForWhatItCanDoAlone) {
   LONGS_EQUAL(409, asked("/api/v1/stop", "{}"));
   for (const char* body : {"", "null", "[]", "{\"a\":1}", "{", "disarm"})
     LONGS_EQUAL(400, asked("/api/v1/disarm", body));
+  LONGS_EQUAL(400, asked("/api/v1/disarm", std::string(200'000, '[')));
   CHECK(channel.take_commands().empty());
+  std::vector<LiveCommand> commands;
+  std::thread loop([&] {
+    while (commands.empty()) commands = channel.take_commands();
+  });
   LONGS_EQUAL(202, asked("/api/v1/disarm", " {} "));
-  const auto commands = channel.take_commands();
+  loop.join();
   LONGS_EQUAL(1, commands.size());
   CHECK(commands[0].kind == LiveCommand::Kind::disarm);
   CHECK_EQUAL("10.0.0.7", commands[0].from);
-  for (std::size_t i = 0; i < LiveChannel::kMaxCommands; ++i) asked("/api/v1/disarm", "{}");
-  LONGS_EQUAL(503, asked("/api/v1/disarm", "{}"));
+}
+
+TEST(LiveState, OfALoopThatStandsStillSaysSoWithinASecond) {
+  Router router;
+  add_live_routes(router, state);
+  LiveStatus status = heard(status_t::ARMED);
+  status.can_disarm = true;
+  tell(status);
+  await("status", "\"can\":{\"stop\":false,\"disarm\":true}");
+  Request request{"POST", "/api/v1/disarm", {}, {}, "{}", "10.0.0.7"};
+  const Response answer = router.route(request);
+  LONGS_EQUAL(503, answer.status);
+  STRCMP_CONTAINS("has not taken it within a second", answer.body->c_str());
+  for (std::size_t i = 0; i < LiveChannel::kMaxCommands; ++i) LONGS_EQUAL(503, router.route(request).status);
+  LONGS_EQUAL(LiveChannel::kMaxCommands, channel.take_commands().size());
 }
 
 TEST(LiveState, HasNothingThatFires) {
