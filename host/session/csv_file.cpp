@@ -1,12 +1,12 @@
 #include "host/session/csv_file.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <optional>
+#include <utility>
+
+#include "common/config/files.hpp"
 
 namespace strobe::host {
 namespace {
@@ -21,31 +21,31 @@ std::ptrdiff_t columns(std::string_view line) {
   return count;
 }
 
-Result<std::string> read_all(const RecordFile& file) {
-  std::string text;
-  std::array<char, 65536> block{};
-  while (true) {
-    const ssize_t size = ::pread(file.fd(), block.data(), block.size(), static_cast<off_t>(text.size()));
-    if (size < 0 && errno == EINTR) continue;
-    if (size < 0) return fail(file.path().string() + ": " + std::strerror(errno));
-    if (size == 0) return text;
-    text.append(block.data(), static_cast<std::size_t>(size));
-  }
-}
+/// What of a file tells how it goes on.
+struct Ends {
+  std::string first;                ///< line, without its end
+  std::optional<std::string> last;  ///< if it has no end
+  off_t size = 0;
+};
 
-/// The last line, if it has no end.
-std::optional<std::string> torn_line(const std::string& text) {
-  if (text.empty() || text.back() == '\n') return std::nullopt;
-  return text.substr(text.rfind('\n') + 1);  // npos + 1: all of it
+Result<Ends> ends_of(const std::filesystem::path& path) {
+  std::optional<std::string> first;
+  Ends ends;
+  const auto read = config::read_lines(path, [&](std::string_view line, bool ended) {
+    if (!first) first = line;
+    if (!ended) ends.last = line;
+    ends.size += static_cast<off_t>(line.size() + (ended ? 1 : 0));
+  });
+  if (!read) return tl::unexpected(read.error());
+  ends.first = std::move(first).value_or("");
+  return ends;
 }
 
 /// full: the number of columns.
-Result<void> mend(RecordFile& file, const std::string& text, std::ptrdiff_t full) {
-  const auto torn = torn_line(text);
-  if (!torn) return {};
-  const auto size = static_cast<off_t>(text.size());
-  if (columns(*torn) == full) return file.append("\n", "line's end");
-  if (file.cut(size - static_cast<off_t>(torn->size()), size)) return {};
+Result<void> mend(RecordFile& file, const Ends& ends, std::ptrdiff_t full) {
+  if (!ends.last) return {};
+  if (columns(*ends.last) == full) return file.append("\n", "line's end");
+  if (file.cut(ends.size - static_cast<off_t>(ends.last->size()), ends.size)) return {};
   return fail(file.path().string() + ": a torn line cannot be removed: " + std::strerror(errno));
 }
 
@@ -82,22 +82,23 @@ Result<CsvFile> CsvFile::open(const std::filesystem::path& path, const std::stri
                               const std::vector<std::string>& earlier) {
   auto file = RecordFile::open(path, RecordFile::Use::append);
   if (!file) return tl::unexpected(file.error());
-  const auto text = read_all(*file);
-  if (!text) return tl::unexpected(text.error());
-  std::string first = text->substr(0, text->find('\n'));
+  const auto ends = ends_of(path);
+  if (!ends) return tl::unexpected(ends.error());
+  const std::string& first = ends->first;
   // Cut short, or not yet written.
   const bool is_earlier = std::ranges::find(earlier, first) != earlier.end();
-  const bool unfinished = first.size() == text->size() && header.starts_with(first) && !is_earlier;
+  const bool unfinished =
+      static_cast<off_t>(first.size()) == ends->size && header.starts_with(first) && !is_earlier;
   if (!unfinished && first != header && !is_earlier)
     return fail(path.string() + ":1: another version's columns; use another session folder");
   if (unfinished) {
-    if (!file->cut(0, static_cast<off_t>(text->size())))
+    if (!file->cut(0, ends->size))
       return fail(path.string() + ": cannot be written: " + std::strerror(errno));
     if (auto written = file->append(header + "\n", "header"); !written)
       return tl::unexpected(written.error());
     return CsvFile(std::move(*file), 0);
   }
-  if (auto mended = mend(*file, *text, columns(first)); !mended) return tl::unexpected(mended.error());
+  if (auto mended = mend(*file, *ends, columns(first)); !mended) return tl::unexpected(mended.error());
   return CsvFile(std::move(*file), columns(header) - columns(first));
 }
 

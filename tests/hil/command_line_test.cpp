@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -288,6 +289,45 @@ TEST(CommandLine, WrongOptionsOfStrobeAreNamed) {
            "vy"},
           {"not a number", with_strobe({"predict", "--vx", "nan", "--vy", "-6", "--omega", "0"}), 2, "vx"},
       }));
+}
+
+TEST(CommandLine, ASessionThatARunWritesIsOnlyReadByOthers) {
+  const std::string session = folder / "session", again = rig("again.toml", "priority = 80", "priority = 79");
+  const std::string url = strobe::testing::private_lcm_url();
+  strobe::testing::Process first(
+      with_strobe({"fire", "--session", session, "--lcm-url", url, "--wait", "3600"}), folder.path());
+  CHECK(first.wait_for_err("session " + session, kLongestWait));
+  const std::string whose = fmt::format("process {}, since 20", first.pid());
+  CHECK_EQUAL(
+      "", complaints({
+              {"fire", with_strobe({"fire", "--session", session, "--lcm-url", url}), 2, whose.c_str()},
+              {"fire --until", with_strobe({"fire", "--until", "2", "--session", session, "--lcm-url", url}),
+               2, whose.c_str()},
+              {"commission",
+               with_strobe({"commission", "--yes", "--rig", again, "--session", session, "--lcm-url", url}),
+               2, whose.c_str()},
+              {"replay --results", with_strobe({"replay", session, "--results"}), 2, whose.c_str()},
+              {"replay", with_strobe({"replay", session, "--json"}), 1, "no shot was fired"},
+          }));
+  first.signal(SIGKILL);
+  first.wait(kLongestWait);
+  const auto next = strobe::testing::run_process(
+      with_strobe({"fire", "--session", session, "--lcm-url", url, "--wait", "0.1"}), kLongestWait);
+  CHECK_TEXT(next.status == strobe::testing::ExitStatus({1, 0}), next.err.c_str());
+  CHECK_FALSE(std::filesystem::exists(folder / "session" / "session.lock"));
+}
+
+TEST(CommandLine, ATableThatCannotBeReadIsNotTakenForAnEmptyOne) {
+  const std::string session = recorded_run(), url = strobe::testing::private_lcm_url();
+  file("recorded/results.csv", "");
+  std::filesystem::resize_file(folder / "recorded/results.csv", std::uintmax_t{1} << 40);
+  const auto fire = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"fire", "--session", session, "--lcm-url", url, "--wait", "0.1"});
+    return with_strobe(more);
+  };
+  CHECK_EQUAL("", complaints({{"until", fire({"--until", "3"}), 2, "recorded/results.csv: a line is longer"},
+                              {"shots", fire({"--shots", "1"}), 2, "recorded/results.csv: a line is longer"},
+                              {"resume", fire({"--resume"}), 2, "recorded/results.csv: a line is longer"}}));
 }
 
 TEST(CommandLine, FiringWithoutAStrobedEndsWithAClearMessage) {
