@@ -27,6 +27,20 @@ std::vector<std::uint8_t> encoded(const T& message) {
   return bytes;
 }
 
+/// What a person did for safety, or the rig for a person: the journal must tell it even if the power fails next.
+bool is_of_safety(EventKind kind) {
+  switch (kind) {
+    case EventKind::key:
+    case EventKind::estop:
+    case EventKind::disarmed:
+    case EventKind::fault:
+    case EventKind::cleared:
+      return true;
+    default:
+      return false;
+  }
+}
+
 std::string in_words(const Event& event, std::int64_t sequence) {
   std::string words = "event " + std::to_string(sequence);
   words += " kind " + std::to_string(static_cast<int>(event.kind)) + " shot " + std::to_string(event.shot_id);
@@ -89,7 +103,7 @@ void Publisher::turn() {
 void Publisher::empty_queue() {
   for (bool more = true; more;) {
     more = collect();
-    write_and_publish();
+    write_and_publish(!more);
   }
 }
 
@@ -108,6 +122,7 @@ void Publisher::take(const Event& event) {
     ++shots_started_;
     shot_first_sequence_ = sequence_ + 1;
   }
+  if (is_of_safety(event.kind)) sync_due_ = true;
   if (event.kind == EventKind::flash) {
     timing_.issued(event.commanded, event.issue_start, event.issue_end);
     if (settings_.drill_at_shot > 0 && shots_started_ >= settings_.drill_at_shot) settings_.drill();
@@ -150,12 +165,13 @@ void Publisher::take(ShotRecord* record) {
   sync_due_ = true;
 }
 
-void Publisher::write_and_publish() {
+/// last: of a turn, which syncs once, however many batches it wrote.
+void Publisher::write_and_publish(bool last) {
   if (settings_.heartbeat_ns != nullptr) *settings_.heartbeat_ns = to_ns(clock_.now());
   auto done = journal_.check();
   if (done) done = journal_.append(outbox_, settings_.wall_ns() / 1000);
   if (done) publish_outbox();
-  if (done && std::exchange(sync_due_, false)) done = journal_.sync();
+  if (done && last && std::exchange(sync_due_, false)) done = journal_.sync();
   // A shot that runs may use up its room; the next one must have it before it is armed for.
   if (done) done = journal_.make_room();
   if (done) done = set_numbers_aside();

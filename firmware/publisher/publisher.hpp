@@ -1,6 +1,7 @@
-// Writes the loop's records to the journal, then publishes them; publishes the status; resends from the
-// journal. Runs on a thread of its own, without real-time rights. An exception here ends the process, and
-// the guardian makes the outputs safe.
+// Writes the loop's records to the journal, then publishes them, and syncs it in the turns in which a shot has
+// ended or somebody has stopped or freed the rig; publishes the status; resends from the journal. Runs on a
+// thread of its own, without real-time rights. An exception here ends the process, and the guardian makes the
+// outputs safe.
 #pragma once
 
 #include <atomic>
@@ -68,7 +69,7 @@ class Publisher {
   void report_repaired(const std::string& line, MonoTime now);
   void take(const LoopStatus& status);
   void take(ShotRecord* record);
-  void write_and_publish();
+  void write_and_publish(bool last);
   void publish_outbox();
   Result<void> set_numbers_aside();
   Result<void> give_numbers_back();

@@ -100,6 +100,12 @@ TEST_GROUP(Publisher) {
     while (!condition() && clock.now() < end) lcm.handleTimeout(10);
     return condition();
   }
+  void tell(EventKind kind) {
+    Event event;
+    event.kind = kind;
+    queue.event(event);
+    queue.flush();
+  }
   void play_shot(int shot_id, int flashes) {
     Event event;
     event.shot_id = shot_id;
@@ -152,6 +158,53 @@ TEST(Publisher, SyncsTheJournalAfterEachShotAndAtTheEnd) {
   CHECK_TRUE(until([&] { return syncs == before + 2; }));
   stop();
   CHECK_EQUAL(before + 3, syncs.load());
+}
+
+TEST(Publisher, SyncsWhatAStopOrItsEndSaysInTheTurnThatWritesIt) {
+  make();
+  for (const EventKind kind :
+       {EventKind::key, EventKind::estop, EventKind::disarmed, EventKind::fault, EventKind::cleared}) {
+    const std::size_t written = strobe::testing::journal_entries(journal->path()).size();
+    const int before = syncs;
+    tell(kind);
+    publisher->turn();
+    CHECK_EQUAL(before + 1, syncs.load());
+    CHECK_EQUAL(written + 1, strobe::testing::journal_entries(journal->path()).size());
+    publisher->turn();
+    CHECK_EQUAL(before + 1, syncs.load());
+  }
+}
+
+TEST(Publisher, SyncsOnceInATurnHoweverMuchItWrites) {
+  make();
+  const int before = syncs;
+  for (int i = 0; i < 2'000; ++i) tell(EventKind::estop);  // a loose contact; several batches
+  publisher->turn();
+  CHECK_EQUAL(before + 1, syncs.load());
+  CHECK_EQUAL(2'000u, strobe::testing::journal_entries(journal->path()).size());
+}
+
+TEST(Publisher, IsNotHeldUpByTheDiskForWhatIsNotOfSafety) {
+  make();
+  const int before = syncs;
+  for (const EventKind kind : {EventKind::started, EventKind::armed, EventKind::refused, EventKind::gate,
+                               EventKind::flash, EventKind::sensor})
+    tell(kind);
+  publisher->turn();
+  CHECK_EQUAL(before, syncs.load());
+}
+
+TEST(Publisher, SyncsAStopThatTheDiskDidNotTakeAtFirstOnceItDoes) {
+  make();
+  const std::filesystem::path away = folder / "away";
+  std::filesystem::rename(journal->path(), away);
+  const int before = syncs;
+  tell(EventKind::estop);
+  publisher->turn();
+  CHECK_EQUAL(before, syncs.load());
+  std::filesystem::rename(away, journal->path());
+  publisher->turn();
+  CHECK_EQUAL(before + 1, syncs.load());
 }
 
 TEST(Publisher, BeatsAtLeastTwiceASecondAndTellsLateness) {
