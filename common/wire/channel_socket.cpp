@@ -4,6 +4,7 @@
 #include <linux/filter.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/timerfd.h>
 #include <unistd.h>
 
 #include <array>
@@ -104,14 +105,14 @@ tl::unexpected<Error> unusable(const MulticastGroup& group, const char* what) {
 }  // namespace
 
 Result<ChannelSocket> ChannelSocket::open(const MulticastGroup& group, const ChannelChoice& choice) {
-  ChannelSocket socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  ChannelSocket socket(group, choice);
   if (socket.fd_ < 0) return unusable(group, "socket");
-  const auto option = [&socket](int level, int name, const auto& value) {
-    return setsockopt(socket.fd_, level, name, &value, sizeof value) == 0;
+  const auto option = [&socket](int name, const auto& value) {
+    return setsockopt(socket.fd_, SOL_SOCKET, name, &value, sizeof value) == 0;
   };
   const int on = 1;  // firmware and hosts share the port
-  if (!option(SOL_SOCKET, SO_REUSEADDR, on)) return unusable(group, "sharing the port");
-  if (group.receive_buffer_bytes > 0) option(SOL_SOCKET, SO_RCVBUF, group.receive_buffer_bytes);
+  if (!option(SO_REUSEADDR, on)) return unusable(group, "sharing the port");
+  if (group.receive_buffer_bytes > 0) option(SO_RCVBUF, group.receive_buffer_bytes);
   Filter(choice).attach(socket.fd_);  // where there is none, the reader looks at every datagram
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -122,17 +123,64 @@ Result<ChannelSocket> ChannelSocket::open(const MulticastGroup& group, const Cha
   }
   if (bind(socket.fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
     return unusable(group, "bind");
-  ip_mreq membership{};
-  membership.imr_multiaddr = address.sin_addr;
-  if (!option(IPPROTO_IP, IP_ADD_MEMBERSHIP, membership)) return unusable(group, "joining the group");
+  if (!socket.join()) return unusable(group, "joining the group");
   return socket;
 }
 
+ChannelSocket::ChannelSocket(MulticastGroup group, ChannelChoice choice)
+    : group_(std::move(group)),
+      choice_(std::move(choice)),
+      fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)),
+      timer_(timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)),
+      buffer_(kLargestDatagram_bytes) {
+  const itimerspec every{{kJoinAgain_s, 0}, {kJoinAgain_s, 0}};
+  timerfd_settime(timer_, 0, &every, nullptr);
+}
+
 ChannelSocket::ChannelSocket(ChannelSocket&& other) noexcept
-    : fd_(std::exchange(other.fd_, -1)), buffer_(std::move(other.buffer_)) {}
+    : group_(std::move(other.group_)),
+      choice_(std::move(other.choice_)),
+      fd_(std::exchange(other.fd_, -1)),
+      timer_(std::exchange(other.timer_, -1)),
+      links_(std::move(other.links_)),
+      buffer_(std::move(other.buffer_)) {}
 
 ChannelSocket::~ChannelSocket() {
   if (fd_ >= 0) close(fd_);
+  if (timer_ >= 0) close(timer_);
+}
+
+/// On the interface that the route names now. True if it is joined there, also if it was.
+bool ChannelSocket::join() {
+  ip_mreqn membership{};
+  inet_pton(AF_INET, group_.address.c_str(), &membership.imr_multiaddr);
+  return setsockopt(fd_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) == 0 ||
+         errno == EADDRINUSE;
+}
+
+/// Of one that is gone a membership would stay: it counts, and passes for one of an interface made anew with its index.
+void ChannelSocket::leave(int interface) {
+  ip_mreqn membership{};
+  inet_pton(AF_INET, group_.address.c_str(), &membership.imr_multiaddr);
+  membership.imr_ifindex = interface;
+  setsockopt(fd_, IPPROTO_IP, IP_DROP_MEMBERSHIP, &membership, sizeof membership);  // most were not joined
+}
+
+bool ChannelSocket::due() const {
+  std::uint64_t times = 0;
+  return read(timer_, &times, sizeof times) == sizeof times;
+}
+
+/// One socket may have so many memberships (net.ipv4.igmp_max_memberships), and a new one has none.
+void ChannelSocket::replace() {
+  auto fresh = open(group_, choice_);
+  if (fresh) std::swap(fd_, fresh->fd_);
+}
+
+void ChannelSocket::stay_joined() {
+  const LinkChanges::Since since = links_.take();
+  for (const int interface : since.vanished) leave(interface);
+  if ((since.any || due()) && !join() && errno == ENOBUFS) replace();
 }
 
 std::optional<ChannelSocket::Received> ChannelSocket::receive() {
@@ -144,6 +192,14 @@ std::optional<ChannelSocket::Received> ChannelSocket::receive() {
   if (size < 0) return Received{};
   const auto sender = std::uint64_t{from.sin_addr.s_addr} << 16 | from.sin_port;
   return Received{sender, std::span(buffer_).first(static_cast<std::size_t>(size))};
+}
+
+std::string address_of(std::uint64_t sender) {
+  if (sender == 0) return "";
+  const in_addr address{static_cast<in_addr_t>(sender >> 16)};
+  std::array<char, INET_ADDRSTRLEN> text{};
+  inet_ntop(AF_INET, &address, text.data(), text.size());
+  return text.data();
 }
 
 }  // namespace strobe::wire

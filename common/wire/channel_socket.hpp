@@ -1,7 +1,10 @@
 // Receives the datagrams of some LCM channels through a UDP socket of its own. A packet filter in the kernel
 // drops all others, so that neither the program's own messages on other channels, which multicast returns,
 // nor a flood there wakes the reader. It calls the system, as firmware and host must treat untrusted bytes
-// alike. One thread's once open; allocates at the start only.
+// alike. One thread's once open; allocates at the start, and where interfaces vanish.
+//
+// The kernel joins a group on the interface that the route names at that moment. An interface made anew (USB, a VPN,
+// a bridge) is another one: what is sent still goes there, nothing comes. stay_joined() joins it there, too.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +16,7 @@
 #include "common/result.hpp"
 #include "common/wire/lcm_datagram.hpp"
 #include "common/wire/lcm_url.hpp"
+#include "common/wire/link_changes.hpp"
 
 namespace strobe::wire {
 
@@ -31,10 +35,17 @@ class ChannelSocket {
   ChannelSocket& operator=(ChannelSocket&&) = delete;
   ~ChannelSocket();
 
+  /// May be another one after stay_joined().
   int fd() const { return fd_; }
 
+  /// To be called again and again. Joins the group where it now is to be joined: at once when an interface, an address or
+  /// a route has changed, else every kJoinAgain, in case that was not told. What is joined is not left for it, so that
+  /// nothing is lost and no switch learns of it.
+  void stay_joined();
+  static constexpr int kJoinAgain_s = 2;
+
   struct Received {
-    std::uint64_t sender = 0;  ///< its address and port
+    std::uint64_t sender = 0;  ///< its address and port: address_of()
     /// Valid until the next call; empty if the network reported an error.
     std::span<const std::uint8_t> bytes;
   };
@@ -43,10 +54,21 @@ class ChannelSocket {
   std::optional<Received> receive();
 
  private:
-  explicit ChannelSocket(int fd) : fd_(fd), buffer_(kLargestDatagram_bytes) {}
+  ChannelSocket(MulticastGroup group, ChannelChoice choice);
+  bool join();
+  void leave(int interface);
+  bool due() const;
+  void replace();
 
-  int fd_;
+  MulticastGroup group_;
+  ChannelChoice choice_;
+  int fd_ = -1;
+  int timer_ = -1;
+  LinkChanges links_;
   std::vector<std::uint8_t> buffer_;
 };
+
+/// "192.168.0.5"; empty for 0, nobody's.
+std::string address_of(std::uint64_t sender);
 
 }  // namespace strobe::wire

@@ -28,6 +28,7 @@ class UdpFeed final : public CommandFeed {
                                  std::strerror(errno));
       for (int i = 0; i < kBatch && take_one(handlers); ++i) {
       }
+      socket_.stay_joined();
       handlers.turn();
     }
   }

@@ -50,6 +50,7 @@ bool LcmLink::take() {
 
 bool LcmLink::receive(std::chrono::milliseconds max_wait, std::span<const int> descriptors,
                       const Receiver& receiver) {
+  socket_.stay_joined();
   std::vector<pollfd> polled{{socket_.fd(), POLLIN, 0}};
   for (const int descriptor : descriptors) polled.push_back({descriptor, POLLIN, 0});
   if (poll(polled.data(), polled.size(), static_cast<int>(max_wait.count())) < 0 && errno != EINTR)

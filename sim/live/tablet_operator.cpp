@@ -85,6 +85,7 @@ void TabletOperator::stop() {
 }
 
 void TabletOperator::receive() {
+  socket_->stay_joined();
   pollfd readable{socket_->fd(), POLLIN, 0};
   poll(&readable, 1, kPoll_ms);
   const std::string channel = messages::channel_name(rig_name_, messages::Channel::shot);

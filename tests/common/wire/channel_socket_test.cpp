@@ -1,4 +1,5 @@
-// Which datagrams the kernel's filter lets through. Sent by multicast to the test itself.
+// Which datagrams the kernel's filter lets through, and that the group is heard on interfaces made anew. Sent by
+// multicast to the test itself.
 #include "common/wire/channel_socket.hpp"
 
 #include <arpa/inet.h>
@@ -8,10 +9,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "tests/support/private_network.hpp"
+#include "tests/support/process.hpp"
 
 #include "tests/support/string_from.hpp"
 
@@ -173,4 +179,154 @@ TEST(ChannelSocket, SaysWhyNothingCanBeReceived) {
   group.address = "192.0.2.1";  // of documentation: nobody's
   STRCMP_CONTAINS(("192.0.2.1:" + std::to_string(group.port) + ": bind: ").c_str(),
                   ChannelSocket::open(group, {"X", true, ""}).error().message.c_str());
+}
+
+namespace {
+
+void ip(const std::string& words) {
+  const auto done =
+      strobe::testing::run_process({{"sh", "-c", "ip " + words}, {}, {}, {}}, std::chrono::seconds{60});
+  CHECK_TEXT(done.status == strobe::testing::ExitStatus({0, 0}), (words + ": " + done.err).c_str());
+}
+
+}  // namespace
+
+/// Multicast goes through a virtual Ethernet, which is taken away and made anew.
+TEST_GROUP(ChannelSocketOnAnInterface) {
+  MulticastGroup group;
+
+  void setup() override {
+    static const std::string problem = strobe::testing::enter_private_network();
+    CHECK_EQUAL("", problem);
+    group = read_lcm_url(strobe::testing::private_lcm_url())->group;
+    ip("route del 224.0.0.0/4 dev lo");
+    make("first");
+  }
+  void teardown() override {
+    ip("-o link show type veth | sed 's/^[0-9]*: \\([^@]*\\)@.*/\\1/' | while read name; do "
+       "ip link del $name 2>/dev/null || true; done");
+    ip("route replace 224.0.0.0/4 dev lo");
+  }
+  static void make(const std::string& name, const std::string& more = "") {
+    ip("link add " + name + more + " type veth peer name " + name + "_");
+    ip("link set " + name + " up");
+    ip("link set " + name + "_ up");
+    ip("address add 10.9.8.7/24 dev " + name);
+    ip("route replace 224.0.0.0/4 dev " + name);
+  }
+  static void remove(const std::string& name) { ip("link del " + name); }
+
+  void hears(ChannelSocket & socket) {
+    const Sender sender(group);
+    const std::string datagram = whole("X", std::to_string(++number_));
+    sender.send(datagram);
+    for (std::string got; got != datagram;) {
+      pollfd readable{socket.fd(), POLLIN, 0};
+      LONGS_EQUAL(1, poll(&readable, 1, 10000));
+      const auto received = socket.receive();
+      got = {received->bytes.begin(), received->bytes.end()};
+    }
+    CHECK_FALSE(socket.receive().has_value());  // and once
+  }
+  /// How many sockets have joined it there, as the kernel counts.
+  int users(const std::string& name) const {
+    in_addr address{};
+    inet_pton(AF_INET, group.address.c_str(), &address);
+    char wanted[9];
+    std::snprintf(wanted, sizeof wanted, "%08X", address.s_addr);
+    std::ifstream groups("/proc/net/igmp");
+    std::string interface;
+    for (std::string line; std::getline(groups, line);) {
+      std::istringstream words(line);
+      std::string first, second;
+      words >> first >> second;
+      if (line[0] != '\t') interface = second;
+      if (interface == name && first == wanted) return std::stoi(second);
+    }
+    return 0;
+  }
+
+ private:
+  int number_ = 0;
+};
+
+TEST(ChannelSocketOnAnInterface, HearsTheGroupOnAnInterfaceThatWasMadeAnew) {
+  auto socket = ChannelSocket::open(group, {"X", true, ""});
+  hears(*socket);
+  remove("first");
+  socket->stay_joined();
+  make("first");
+  socket->stay_joined();
+  hears(*socket);
+}
+
+TEST(ChannelSocketOnAnInterface, HearsItThoughTheNewOneHasTheIndexOfTheFormer) {
+  remove("first");
+  make("one", " index 77");
+  auto socket = ChannelSocket::open(group, {"X", true, ""});
+  hears(*socket);
+  remove("one");
+  make("one", " index 77");
+  socket->stay_joined();
+  hears(*socket);
+}
+
+TEST(ChannelSocketOnAnInterface, HearsItHoweverOftenItIsMadeAnew) {
+  auto socket = ChannelSocket::open(group, {"X", true, ""});
+  for (int i = 0; i < 25; ++i) {  // a socket may have 20 memberships
+    remove("first");
+    make("first");
+    socket->stay_joined();
+  }
+  hears(*socket);
+}
+
+TEST(ChannelSocketOnAnInterface, HearsItOnTheInterfaceThatARouteMovesTo) {
+  for (const char* limit : {"20", "1"}) {  // of memberships
+    std::ofstream("/proc/sys/net/ipv4/igmp_max_memberships") << limit;
+    auto socket = ChannelSocket::open(group, {"X", true, ""});
+    make("second");
+    socket->stay_joined();
+    hears(*socket);
+    ip("route replace 224.0.0.0/4 dev first");
+    socket->stay_joined();
+    hears(*socket);
+    remove("second");
+  }
+  std::ofstream("/proc/sys/net/ipv4/igmp_max_memberships") << 20;
+}
+
+TEST(ChannelSocketOnAnInterface, JoinsItOnceAndLeavesItAlone) {
+  auto socket = ChannelSocket::open(group, {"X", true, ""});
+  for (int i = 0; i < 10; ++i) {
+    ip("address add 10.9.9." + std::to_string(i + 1) + "/24 dev first");
+    socket->stay_joined();
+    LONGS_EQUAL(1, users("first"));
+  }
+  hears(*socket);
+}
+
+TEST(ChannelSocketOnAnInterface, JoinsItAfterAWhileThoughNobodyTellsThatItCanBe) {
+  auto socket = ChannelSocket::open(group, {"X", true, ""});
+  remove("first");
+  std::ofstream("/proc/sys/net/ipv4/igmp_max_memberships") << 0;
+  make("first");
+  socket->stay_joined();
+  LONGS_EQUAL(0, users("first"));
+  std::ofstream("/proc/sys/net/ipv4/igmp_max_memberships") << 20;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds{60};
+  while (users("first") == 0 && std::chrono::steady_clock::now() < end) {
+    poll(nullptr, 0, 20);
+    socket->stay_joined();
+  }
+  hears(*socket);
+}
+
+TEST(ChannelSocketOnAnInterface, TellsASendersAddress) {
+  auto socket = ChannelSocket::open(group, {"X", true, ""});
+  Sender(group).send(whole("X", "data"));
+  pollfd readable{socket->fd(), POLLIN, 0};
+  LONGS_EQUAL(1, poll(&readable, 1, 10000));
+  CHECK_EQUAL("10.9.8.7", address_of(socket->receive()->sender));
+  CHECK_EQUAL("", address_of(0));
 }
