@@ -35,6 +35,7 @@ bool is_of_safety(EventKind kind) {
     case EventKind::disarmed:
     case EventKind::fault:
     case EventKind::cleared:
+    case EventKind::reset:
       return true;
     default:
       return false;
