@@ -71,9 +71,7 @@ class ToldOutputs final : public OutputLines {
 void watch_guardian(SharedStatus& page, std::shared_ptr<EventFd> wake, int priority) {
   std::thread([&page, wake = std::move(wake), priority] {
     become_real_time(priority);
-    if (!page.guardian.wait_for_death()) return;
-    page.guardian_died = true;
-    wake->wake();
+    if (page.guardian.wait_for_death()) wake->wake();
   }).detach();
 }
 
@@ -144,7 +142,7 @@ class LoopThread {
 
   /// Without a guardian nobody would make the outputs safe if this process died.
   const char* guardian_fault() const noexcept {
-    if (page_.guardian_died || getppid() != guardian_) return "the guardian died";
+    if (page_.guardian.holder_died()) return "the guardian died";
     const MonoTime turned = std::max(started_, from_ns(page_.guardian_heartbeat_ns));
     return clock_.now() - turned > kGuardianTimeout ? "the guardian hangs" : nullptr;
   }
@@ -163,7 +161,6 @@ class LoopThread {
   EventFd& wake_;
   Console& console_;
   mutable SystemClock clock_;
-  const pid_t guardian_ = getppid();
   const MonoTime started_ = clock_.now();
   std::atomic<bool> stop_{false};
   std::atomic<bool> hang_{false};

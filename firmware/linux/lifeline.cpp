@@ -13,11 +13,23 @@ Lifeline::Lifeline() {
   pthread_mutexattr_destroy(&attributes);
 }
 
-bool Lifeline::wait_for_death() noexcept {
-  const bool died = pthread_mutex_lock(&mutex_) == EOWNERDEAD;
-  if (died) pthread_mutex_consistent(&mutex_);
+/// The first to have the dead holder's mutex makes it good for whoever comes next.
+void Lifeline::take_over(int lock_result) noexcept {
+  if (lock_result == EOWNERDEAD) {
+    died_ = true;
+    pthread_mutex_consistent(&mutex_);
+  }
   pthread_mutex_unlock(&mutex_);
-  return died;
+}
+
+bool Lifeline::wait_for_death() noexcept {
+  take_over(pthread_mutex_lock(&mutex_));
+  return died_;
+}
+
+bool Lifeline::holder_died() noexcept {
+  if (const int result = pthread_mutex_trylock(&mutex_); result != EBUSY) take_over(result);
+  return died_;
 }
 
 }  // namespace strobe::firmware

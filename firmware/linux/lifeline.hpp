@@ -5,6 +5,8 @@
 
 #include <pthread.h>
 
+#include <atomic>
+
 namespace strobe::firmware {
 
 class Lifeline {
@@ -19,9 +21,14 @@ class Lifeline {
   void let_go() noexcept { pthread_mutex_unlock(&mutex_); }
   /// Waits for the holder's end. Returns true if it died, false if it let go. For one waiter, once.
   bool wait_for_death() noexcept;
+  /// Whether it has, without waiting: for another thread of the waiter's process. Real-time safe.
+  bool holder_died() noexcept;
 
  private:
+  void take_over(int lock_result) noexcept;
+
   pthread_mutex_t mutex_;
+  std::atomic<bool> died_{false};
 };
 
 }  // namespace strobe::firmware

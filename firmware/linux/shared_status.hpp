@@ -14,7 +14,6 @@ namespace strobe::firmware {
 struct SharedStatus {
   Lifeline loop;      ///< held by the worker's loop from before the worker is ready
   Lifeline guardian;  ///< held by the guardian's main thread from before the fork
-  std::atomic<bool> guardian_died{false};
   std::atomic<bool> outputs_safe{false};  ///< the worker has made the outputs inactive and is stopping
   /// It can no longer drive them and has released them: the guardian makes them inactive now.
   std::atomic<bool> lines_released{false};

@@ -58,7 +58,7 @@ void set_worker_signal_policy(void (*at_fault)()) {
   call_at_fault = at_fault;
   struct sigaction handler {};
   handler.sa_handler = end_of_fault;
-  handler.sa_flags = SA_RESETHAND;
+  handler.sa_flags = static_cast<int>(SA_RESETHAND);
   for (const int signal : kFaults) {
     struct sigaction before {};
     sigaction(signal, nullptr, &before);

@@ -55,7 +55,18 @@ TEST(Lifeline, TellsOfADeathThatCameBeforeAnybodyWaited) {
   CHECK(line.wait_for_death());
 }
 
+TEST(Lifeline, TellsOfADeathWithoutWaiting) {
+  fork_holder([] {});
+  CHECK_FALSE(line.holder_died());
+  kill(holder, SIGKILL);
+  CHECK(waitpid(holder, nullptr, 0) == holder);
+  CHECK(line.holder_died());
+  CHECK(line.holder_died());
+  CHECK(line.wait_for_death());
+}
+
 TEST(Lifeline, TellsAnEndInGoodOrderFromADeath) {
   fork_holder([this] { line.let_go(); });
   CHECK_FALSE(line.wait_for_death());
+  CHECK_FALSE(line.holder_died());
 }

@@ -32,8 +32,10 @@ constexpr std::int64_t kAtOnce = kMs;
 /// Even so the outputs become safe within this.
 constexpr std::int64_t kSafeAtAllNs = 1000 * kMs;
 constexpr int kWitnessPriority = 90;  // above strobed's: what keeps the witness waiting is none of it
-/// A standstill that the witness may have missed.
-constexpr std::int64_t kUnseen = FreezeDetector::kLateWakeUp / strobe::nanoseconds(1);
+/// A standstill that the witness may have missed, and how many there may be among all ways.
+constexpr std::int64_t kUnseenNs =
+    (FreezeDetector::kPeriod + FreezeDetector::kLateWakeUp) / strobe::nanoseconds(1);
+constexpr int kUnseen = 2;
 /// Benches that run at the same time: all but one of them wait.
 constexpr std::size_t kAtATime = 6;
 
@@ -142,7 +144,6 @@ RigFixtureOptions options_of(const Way& way) {
 
 /// Fires a shot and ends the process after its first flash; the instant of that.
 std::int64_t do_in_mid_train(const RigFixture& bench, RawHost& host, const Way& way) {
-  LineWatcher watch(bench.chip_dir());
   CHECK_TEXT(host.wait_status(), way.name);
   const auto shot = [&host](std::int64_t token) {
     strobe_msgs::command_t fire = host.fire_command(token, false);
@@ -151,8 +152,14 @@ std::int64_t do_in_mid_train(const RigFixture& bench, RawHost& host, const Way& 
     fire.plan.impact_at_ns = 50 * kMs;
     return fire;
   };
-  CHECK_TEXT(host.fire_until_flash(watch, shot) != 0, way.name);
-  return way.end(bench, watch);
+  for (int attempt = 0; attempt < kFlashAttempts; ++attempt) {
+    LineWatcher watch(bench.chip_dir());
+    CHECK_TEXT(host.fire_until_flash(watch, shot) != 0, way.name);
+    // A machine that stood still may have aborted it since.
+    if (*way.drill != '\0' || watch.state("SHUTTER").level != 0) return way.end(bench, watch);
+  }
+  FAIL(way.name);
+  return 0;
 }
 
 double in_ms(std::int64_t ns) { return static_cast<double>(ns) * 1e-6; }
@@ -170,29 +177,29 @@ std::int64_t stood_still(const std::vector<Freeze>& by_begin, std::int64_t from_
   return sum;
 }
 
-void expect_inactive_in_time(const Way& way, std::int64_t death, std::int64_t safe,
-                             const std::vector<Freeze>& freezes) {
+/// Whether it was in time; else as little late as a standstill may be that the witness missed.
+bool inactive_in_time(const Way& way, std::int64_t death, std::int64_t safe,
+                      const std::vector<Freeze>& freezes) {
   CHECK_TEXT(safe != INT64_MAX, way.name);
   const std::int64_t took = safe - death, still = stood_still(freezes, death, safe);
   std::printf("%s: outputs inactive after %.3f ms, in %.3f of which the machine stood still\n", way.name,
               in_ms(took), in_ms(still));
   CHECK_TEXT(took < std::max(kSafeAtAllNs, way.safe_within_ns), way.name);
-  CHECK_TEXT(took - still <= way.safe_within_ns + kUnseen, way.name);
+  CHECK_TEXT(took - still <= way.safe_within_ns + kUnseenNs, way.name);
+  return took - still <= way.safe_within_ns;
 }
 
-void expect_good_end(RigFixture& bench, const Way& way, std::int64_t death,
-                     const std::vector<Freeze>& freezes) {
+/// Whether it came in time.
+bool ends_well(RigFixture& bench, const Way& way, std::int64_t death, const std::vector<Freeze>& freezes) {
   const LineChanges changes = bench.changes();
   for (const char* output : {"SHUTTER", "TRIGGER"})
     LONGS_EQUAL_TEXT(0, changes.rises(output, death), way.name);
   CHECK_TEXT(bench.log().find(way.said) != std::string::npos, (way.name + (":\n" + bench.log())).c_str());
   expect_whole_journal(bench, way.name);
   const std::int64_t safe = changes.outputs_safe_from(death);
-  if (way.stays_active) {
-    CHECK_TEXT(safe == INT64_MAX, way.name);
-  } else {
-    expect_inactive_in_time(way, death, safe, freezes);
-  }
+  if (!way.stays_active) return inactive_in_time(way, death, safe, freezes);
+  CHECK_TEXT(safe == INT64_MAX, way.name);
+  return true;
 }
 
 struct Trial {
@@ -210,7 +217,8 @@ void wait_for_the_end(Trial& trial) {
   CHECK_TEXT(strobe::testing::wait_until(gone, kLongestWait), trial.way->name);
 }
 
-void try_together(std::span<const Way> tried) {
+/// How many were late.
+int try_together(std::span<const Way> tried) {
   std::vector<Trial> trials;
   for (const Way& way : tried) {
     auto bench = std::make_unique<RigFixture>(options_of(way));
@@ -225,7 +233,10 @@ void try_together(std::span<const Way> tried) {
   for (Trial& trial : trials) trial.death = do_in_mid_train(*trial.bench, *trial.host, *trial.way);
   for (Trial& trial : trials) wait_for_the_end(trial);
   const std::vector<Freeze> freezes = witness.stop();
-  for (Trial& trial : trials) expect_good_end(*trial.bench, *trial.way, trial.death, freezes);
+  int late = 0;
+  for (Trial& trial : trials)
+    if (!ends_well(*trial.bench, *trial.way, trial.death, freezes)) ++late;
+  return late;
 }
 
 /// A guardian that stands still for good, while other benches are at work: nothing to see before 5 s are
@@ -259,8 +270,10 @@ TEST_GROUP(Death){};
 TEST(Death, LeavesTheOutputsInactiveHoweverItComes) {
   StandingGuardian standing;
   const std::span<const Way> all(ways());
+  int late = 0;
   for (std::size_t begin = 0; begin < all.size(); begin += kAtATime)
-    try_together(all.subspan(begin, std::min(kAtATime, all.size() - begin)));
+    late += try_together(all.subspan(begin, std::min(kAtATime, all.size() - begin)));
+  CHECK_TEXT(late <= kUnseen, std::to_string(late).c_str());
   standing.expect_that_the_worker_stopped();
 }
 
