@@ -71,7 +71,10 @@ class ToldOutputs final : public OutputLines {
 void watch_guardian(SharedStatus& page, std::shared_ptr<EventFd> wake, int priority) {
   std::thread([&page, wake = std::move(wake), priority] {
     become_real_time(priority);
-    if (page.guardian.wait_for_death()) wake->wake();
+    if (!page.guardian.wait_for_death()) return;
+    wake->wake();
+    if (getppid() == page.guardian_pid)
+      kill(page.guardian_pid, SIGKILL);  // should it have been that thread alone
   }).detach();
 }
 

@@ -44,12 +44,12 @@ constexpr Duration kGrace = milliseconds(1000);
 
 GpioOutputs* outputs_at_fault = nullptr;
 
-[[noreturn]] void become_worker(pid_t guardian, const Work& work, SharedStatus& page, GpioOutputs& outputs) {
+[[noreturn]] void become_worker(const Work& work, SharedStatus& page, GpioOutputs& outputs) {
   outputs_at_fault = &outputs;
   set_worker_signal_policy([] { outputs_at_fault->make_inactive(); });
   setsid();  // no signal to a terminal's or a shell's group reaches both
   prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != guardian) _exit(kExitFailed);
+  if (getppid() != page.guardian_pid) _exit(kExitFailed);
   // A core dump of locked memory would take seconds, with the outputs as they are.
   prctl(PR_SET_DUMPABLE, 0);
   const int status = work(page, outputs);
@@ -311,13 +311,13 @@ int run_guardian(const Rig& rig, const Work& work, const TellDanger& tell) {
   }
   use_small_stacks();
   page->guardian.hold();
-  const pid_t guardian = getpid();
+  page->guardian_pid = getpid();
   const pid_t worker = fork();
   if (worker < 0) {
     std::fprintf(stderr, "strobed: fork: %s\n", std::strerror(errno));
     return kExitFailed;
   }
-  if (worker == 0) become_worker(guardian, work, *page, *outputs);
+  if (worker == 0) become_worker(work, *page, *outputs);
   return Guardian(rig, worker, *page, *outputs, tell).run();
 }
 

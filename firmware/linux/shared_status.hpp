@@ -12,8 +12,8 @@
 namespace strobe::firmware {
 
 struct SharedStatus {
-  Lifeline loop;      ///< held by the worker's loop from before the worker is ready
-  Lifeline guardian;  ///< held by the guardian's main thread from before the fork
+  Lifeline loop;                          ///< held by the worker's loop from before the worker is ready
+  Lifeline guardian;                      ///< held by the guardian's main thread from before the fork
   std::atomic<bool> outputs_safe{false};  ///< the worker has made the outputs inactive and is stopping
   /// It can no longer drive them and has released them: the guardian makes them inactive now.
   std::atomic<bool> lines_released{false};
@@ -25,7 +25,8 @@ struct SharedStatus {
   std::atomic<int> loop_cpu{-1};                   ///< the CPU it ran on
   std::atomic<std::int64_t> publisher_heartbeat_ns{0};
   std::atomic<std::int64_t> guardian_heartbeat_ns{0};
-  int event_fd = -1;  ///< an eventfd; set before the fork
+  int event_fd = -1;       ///< an eventfd; set before the fork
+  pid_t guardian_pid = 0;  ///< set before the fork
 
   void notify() const noexcept {
     const std::uint64_t one = 1;
