@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -31,6 +32,7 @@ class Bystander {
     if (::pipe(told) != 0) FAIL("no pipe");
     pid_ = ::fork();
     if (pid_ == 0) {
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
       const char good = act() ? 'y' : 'n';
       static_cast<void>(!::write(told[1], &good, 1));
       while (true) ::pause();
