@@ -75,6 +75,20 @@ TEST(StatusMessage, TellsEveryValueThatCameSinceTheLast) {
   }
 }
 
+TEST(StatusMessage, SaysThatAPersonMustResetAStopAndThatItWasJustReset) {
+  parts.loop.estop_active = false;
+  parts.loop.key_active = true;
+  parts.loop.stop = "the e-stop was released";
+  CHECK_EQUAL("stopped (the e-stop was released): a person must give the command to fire anew",
+              to_message(parts, *timing, histograms).message);
+  parts.loop.stop = "";
+  parts.loop.restart = parts.clocks.mono + milliseconds(1);
+  CHECK_EQUAL("a stop was reset just now: the rig can be armed in a moment",
+              to_message(parts, *timing, histograms).message);
+  parts.clocks.mono = parts.loop.restart;
+  CHECK_EQUAL("", to_message(parts, *timing, histograms).message);
+}
+
 TEST(StatusMessage, SaysTheGravestThingThatIsMissing) {
   parts.loop.estop_active = false;
   CHECK_EQUAL("the key is off, or its wire is broken", to_message(parts, *timing, histograms).message);
@@ -89,7 +103,7 @@ TEST(StatusMessage, SaysTheGravestThingThatIsMissing) {
 }
 
 TEST(StatusMessage, TellsAllOfTheLoopAndTheClocks) {
-  parts = {1,  2,  {from_ns(3), 4, 5}, {State::armed, true, false, 6, 7, from_ns(8), 9, 10, ""}, true, "",
+  parts = {1,  2,  {from_ns(3), 4, 5}, {State::armed, true, false, 6, 7, from_ns(8), 9, 10, "", "", {}}, true, "",
            11, {}, {{12, 13}}};
   const auto message = to_message(parts, *timing, histograms);
   CHECK_EQUAL(+strobe_msgs::status_t::SCHEMA_VERSION, message.schema_version);
