@@ -206,6 +206,8 @@ void Commissioning::go_on_firing() {
   if (result_) return deliver();
   const auto status = loop_.live_status();
   series_->on_danger(loop_.session().danger());
+  series_->on_second_rig(loop_.second_rig());
+  series_->on_unanswered(loop_.unanswered());
   if (status) series_->on_arming_of(loop_.session().host_name(status->arm_host_id), false);
   series_->step(status, loop_.now());
   for (const auto& command : series_->take_commands()) loop_.send(command);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <strobe_msgs/readout_t.hpp>
 
 #include "common/messages/encode.hpp"
@@ -35,6 +37,7 @@ HostLoop::HostLoop(HostLoopSettings settings, Transport& transport, Clock& clock
   const HostReading begin = clock.read();
   acted_ = begin.since_boot;
   slept_before_ = slept(begin);
+  session_.boots().set_rig(settings_.rig);
   if (!settings_.key || settings_.replays) return;
   sealer_.emplace(*settings_.key, settings_.rig);
   seal_.emplace(*settings_.key);
@@ -75,6 +78,7 @@ void HostLoop::step() {
   report_fault();
   request_lost_events();
   repeat_disarm();
+  ask_who_hears();
 }
 
 /// Of the handling of a message, such as memory that was not to be had.
@@ -90,10 +94,12 @@ void HostLoop::tell_not_kept(const std::string& text) {
 }
 
 void HostLoop::on_status(const strobe_msgs::status_t& message) {
-  session_.on_status(message, now_);
+  session_.on_status(message, now_, transport_.sender());
+  answers_.on_status(message);
   if (session_.status() && session_.status()->boot_time_ns == message.boot_time_ns)
     last_status_ = clock_.read();
-  if (disarm_.on_status(message)) {
+  const bool answers_disarm = session_.status() && message.boot_id == session_.status()->boot_id;
+  if (answers_disarm && disarm_.on_status(message)) {
     session_.set_unconfirmed("");
     notify(
         "disarmed: the firmware confirms it; nothing is armed until a person gives the command to fire anew");
@@ -103,6 +109,7 @@ void HostLoop::on_status(const strobe_msgs::status_t& message) {
 
 void HostLoop::on_event(const strobe_msgs::event_t& message) {
   session_.on_event(message, now_);
+  answers_.on_event(message);
   for (HostListener* listener : listeners_) listener->on_event(message);
   report();
 }
@@ -163,6 +170,15 @@ void HostLoop::request_lost_events() {
   for (const EventRange& range : session_.ledger().due(now_)) send(commands_.resend(status->boot_id, range));
 }
 
+void HostLoop::ask_who_hears() {
+  if (!sealer_) return;
+  for (const EventRange& range : session_.boots().due(now_)) send(commands_.resend(range.boot_id, range));
+  const std::string problem = unanswered();
+  if (problem.empty() == told_unanswered_.empty()) return;
+  notify(problem.empty() ? "the rig answers again, or is not heard any more" : problem);
+  told_unanswered_ = problem;
+}
+
 /// The firmware's CLOCK_BOOTTIME now, or earlier by what its status was on its way. 0: it is not heard.
 std::int64_t HostLoop::firmware_boot_time_ns(std::int64_t boot_id) {
   const auto& status = session_.status();
@@ -188,7 +204,11 @@ void HostLoop::disarm(const std::string& by) {
 
 void HostLoop::repeat_disarm() {
   const auto& status = session_.status();
-  if (disarm_.due(now_) && status) send(commands_.disarm(status->boot_id));
+  if (disarm_.due(now_)) {
+    std::vector<std::int64_t> boots = session_.boots().heard(now_);  // two rigs of one name, if there are
+    if (status && !std::ranges::count(boots, status->boot_id)) boots.push_back(status->boot_id);
+    for (const std::int64_t boot_id : boots) send(commands_.disarm(boot_id));
+  }
   if (!disarm_.open()) return;
   const std::string words = disarm_.not_confirmed(now_);
   if (session_.set_unconfirmed(words)) notify(words);
@@ -196,6 +216,7 @@ void HostLoop::repeat_disarm() {
 
 void HostLoop::send(strobe_msgs::command_t command) {
   if (!sealer_) return;
+  answers_.on_sent(command, live_status(), now_);
   const bool is_reset = command.kind == strobe_msgs::command_t::RESET;
   command.sent_boot_time_ns =
       is_reset ? acted_boot_time_ns(command.boot_id) : firmware_boot_time_ns(command.boot_id);

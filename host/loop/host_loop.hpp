@@ -23,6 +23,7 @@
 #include "host/messages/packet_check.hpp"
 #include "host/messages/transport.hpp"
 #include "host/photographs/photograph_pipeline.hpp"
+#include "host/session/answer_watch.hpp"
 #include "host/session/session.hpp"
 
 namespace strobe::host {
@@ -104,6 +105,10 @@ class HostLoop final : private MessageHandler {
   const Session& session() const { return session_; }
   /// The newest status if the firmware is not silent.
   std::optional<strobe_msgs::status_t> live_status() const { return session_.live_status(now_); }
+  /// Why nothing may be armed although the status does not say so: another rig has the name. Empty: it may.
+  std::string second_rig() const { return session_.boots().problem(now_); }
+  /// The rig is heard and does not answer (answer_watch.hpp), for a person; empty: it does, as far as is known.
+  std::string unanswered() const { return live_status() ? answers_.problem(now_) : ""; }
   HostTime now() const { return now_; }
   /// When the last message came.
   HostTime last_message() const { return last_message_; }
@@ -124,6 +129,7 @@ class HostLoop final : private MessageHandler {
   void repeat_disarm();
   void publish_photographs();
   void request_lost_events();
+  void ask_who_hears();
   static void make_budget(ShotResult& result);
   void report();
   void report_fault();
@@ -141,6 +147,8 @@ class HostLoop final : private MessageHandler {
   std::string rig_channels_, command_channel_;
   PacketCheck check_;
   Session session_;
+  AnswerWatch answers_;
+  std::string told_unanswered_;
   std::unique_ptr<PhotographPipeline> photographs_;
   MessageDecoder decoder_;
   int wake_descriptor_ = -1;

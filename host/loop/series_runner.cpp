@@ -55,6 +55,8 @@ void SeriesRunner::fire() {
   const Session& session = loop_.session();
   series_.on_danger(session.danger());
   if (loop_.was_suspended()) series_.end_after_shot("this computer was suspended");
+  series_.on_second_rig(loop_.second_rig());
+  series_.on_unanswered(loop_.unanswered());
   if (status)
     series_.on_arming_of(session.host_name(status->arm_host_id), session.adopted(status->arm_host_id));
   // One that was fired at the last moment of an earlier run.

@@ -43,6 +43,7 @@ void LcmLink::hand_over(const std::string& channel, Bytes bytes) {
 bool LcmLink::take() {
   const auto received = socket_.receive();
   if (!received) return false;
+  sender_ = received->sender;
   if (const auto message = assembler_.take(received->sender, received->bytes))
     hand_over(std::string(message->channel), message->data);
   return true;

@@ -22,6 +22,7 @@ class LcmLink final : public Transport {
   /// Takes in at most 10,000 datagrams.
   bool receive(std::chrono::milliseconds max_wait, std::span<const int> descriptors,
                const Receiver& receiver) override;
+  std::string sender() const override { return wire::address_of(sender_); }
   void publish(const std::string& channel, Bytes bytes) override;
 
  private:
@@ -32,6 +33,7 @@ class LcmLink final : public Transport {
   lcm::LCM lcm_;
   wire::ChannelSocket socket_;
   wire::Assembler assembler_;
+  std::uint64_t sender_ = 0;
   std::string rig_channels_, command_channel_;
   const Receiver* receiver_ = nullptr;  ///< while receive() runs
 };

@@ -22,6 +22,8 @@ class Transport {
   /// what has arrived. Returns false if nothing can be received any more.
   virtual bool receive(std::chrono::milliseconds max_wait, std::span<const int> descriptors,
                        const Receiver& receiver) = 0;
+  /// Who sent the message that is being handed over: an IP address; empty where there is none.
+  virtual std::string sender() const { return ""; }
   virtual void publish(const std::string& channel, Bytes bytes) = 0;
   /// Called with each message handed over that will be acted on, before it is.
   virtual void keep(const std::string& /*channel*/, Bytes) {}

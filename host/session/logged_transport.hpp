@@ -20,6 +20,7 @@ class LoggedTransport final : public Transport {
 
   bool receive(std::chrono::milliseconds max_wait, std::span<const int> descriptors,
                const Receiver& receiver) override;
+  std::string sender() const override { return transport_.sender(); }
   void publish(const std::string& channel, Bytes bytes) override;
   void keep(const std::string& channel, Bytes bytes) override { log(channel, bytes); }
 

@@ -64,6 +64,7 @@ void Session::set_deadline(PendingShot& waiting) const {
 }
 
 void Session::on_event(const event_t& event, HostTime now) {
+  boots_.on_event(event.boot_id, event.sequence, now);
   if (!ledger_.add(event.boot_id, event.sequence, now)) return;
   const ShotKey key{event.boot_id, event.shot_id};
   if (event.kind == event_t::ARMED) {
@@ -318,6 +319,7 @@ void Session::on_time(HostTime now) {
     danger_told_ = now;
     notify(danger_);
   }
+  for (std::string& text : boots_.take_notifications()) notify(std::move(text));
   expire(now);
   request_lost_summaries(now);
   request_lost_photographs(now);

@@ -28,6 +28,7 @@
 #include "host/clock/device_clock.hpp"
 #include "host/messages/event_ledger.hpp"
 #include "host/session/heard_time.hpp"
+#include "host/session/live_boots.hpp"
 #include "host/session/shot_result.hpp"
 
 namespace strobe::host {
@@ -42,7 +43,8 @@ class Session {
   Session(AssemblySettings settings, std::int64_t firing_host_id)
       : Session(std::move(settings), firing_host_id, firing_host_id != 0) {}
 
-  void on_status(const strobe_msgs::status_t& status, HostTime now);
+  /// sender: its IP address; may be empty.
+  void on_status(const strobe_msgs::status_t& status, HostTime now, const std::string& sender = "");
   void on_event(const strobe_msgs::event_t& event, HostTime now);
   void on_shot(const strobe_msgs::shot_t& shot, HostTime now);
   void on_frame(const strobe_msgs::frame_t& frame, HostTime now);
@@ -80,6 +82,9 @@ class Session {
     return news;
   }
 
+  /// Which boots are heard; more than one rig of the name.
+  LiveBoots& boots() { return boots_; }
+  const LiveBoots& boots() const { return boots_; }
   EventLedger& ledger() { return ledger_; }
   const EventLedger& ledger() const { return ledger_; }
   const std::optional<strobe_msgs::status_t>& status() const { return status_; }
@@ -158,6 +163,7 @@ class Session {
   bool holds_ = false;
   EventLedger ledger_;
   std::optional<strobe_msgs::status_t> status_;
+  LiveBoots boots_;
   DeviceClock clock_;
   HostTime status_heard_;
   std::int64_t answered_boot_ = 0;  ///< that gave this host a token

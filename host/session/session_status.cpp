@@ -10,9 +10,13 @@ namespace strobe::host {
 
 using strobe_msgs::status_t;
 
-void Session::on_status(const strobe_msgs::status_t& status, HostTime now) {
+void Session::on_status(const strobe_msgs::status_t& status, HostTime now, const std::string& sender) {
+  const bool known = boots_.knows(status.boot_id);
+  boots_.on_status(status, sender, now);
   if (outdated(status, now)) return;
-  if (status_ && status_->boot_id != status.boot_id) {
+  // Of two that are heard in turn none is started anew.
+  const bool in_turn = known && now - status_heard_ <= kSilent;
+  if (status_ && status_->boot_id != status.boot_id && !in_turn) {
     notify(fmt::format("the firmware was started anew (boot {:x})", status.boot_id));
   }
   const DeviceReading device{from_ns(status.mono_ns), from_ns<WallTime>(status.wall_ns),

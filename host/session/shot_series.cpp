@@ -46,7 +46,7 @@ std::string ShotSeries::why_blocked(const status_t& status) {
   if (!status.journal_ok) return "the firmware's journal cannot be written";
   if (status.arm_host_id != 0 && status.arm_host_id != factory_.host_id()) return who_armed(status);
   if (status.state == status_t::FIRING) return "the rig is firing a shot already";
-  return "";
+  return second_rig_;
 }
 
 /// In words that stay the same as long as the arming lasts.
@@ -161,7 +161,7 @@ void ShotSeries::wait_for_readiness(const status_t& status, HostTime now) {
   // FIRE seemed refused or lost, and was not: another shot now would be one too many.
   if (fired_ && status.boot_id == boot_id_ && status.last_shot_id > shots_before_)
     return enter(State::shooting, now);
-  blocking_reason_ = ours(status) ? "" : why_blocked(status);
+  blocking_reason_ = ours(status) ? second_rig_ : why_blocked(status);
   if (status.state == status_t::FAULT && settings_.clear_fault && now - sent_ > kSendAgain) {
     commands_.push_back(factory_.clear(status.boot_id));
     sent_ = now;
@@ -179,7 +179,12 @@ void ShotSeries::wait_for_readiness(const status_t& status, HostTime now) {
 }
 
 void ShotSeries::arm(const status_t& status, HostTime now) {
+  blocking_reason_ = unanswered_;
   if (ours(status)) {
+    if (!second_rig_.empty()) {
+      give_back(status);
+      return enter(State::waiting, now);
+    }
     refusal_.clear();
     blocking_reason_.clear();
     admitted_ = true;
@@ -221,6 +226,8 @@ void ShotSeries::fire(const status_t& status, HostTime now) {
   // The token is for one shot, so a second FIRE with it can never fire a second one.
   if (same_boot && ours(status)) {
     if (now - sent_ < kSendAgain) return;
+    // What was sent may have been heard: a DISARM now could abort a good shot.
+    if (ending_.empty() && !second_rig_.empty()) return;
     if (ending_.empty()) return send_fire(status, now);
     disarm_ = true;  // what was sent got lost, and is not sent again
     return give_up(ending_);

@@ -56,6 +56,10 @@ class ShotSeries {
 
   /// Who holds the arming that the status tells of, if it is known; whether it was an earlier run of one's own.
   void on_arming_of(std::string host_name, bool own);
+  /// Another rig has the name (LiveBoots): nothing is armed. Empty: none has.
+  void on_second_rig(std::string why) { second_rig_ = std::move(why); }
+  /// The rig is heard and does not answer (AnswerWatch): why nothing comes of an ARM. Empty: not so.
+  void on_unanswered(std::string why) { unanswered_ = std::move(why); }
   /// Outputs may be active (Session::danger()): nothing more is fired. Empty: nothing is known of it.
   void on_danger(const std::string& danger);
 
@@ -121,6 +125,7 @@ class ShotSeries {
   std::string arming_host_;  ///< who holds the arming; empty: not known
   bool own_arming_ = false;
   std::optional<std::pair<std::int64_t, std::string>> left_of_arming_;  ///< of the token, in words
+  std::string second_rig_, unanswered_;
   std::string blocking_reason_;
   std::string refusal_;
   std::string ending_;  ///< why there is no further shot; empty: there may be

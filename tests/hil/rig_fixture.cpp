@@ -70,7 +70,8 @@ std::string shipped_rig() {
 }  // namespace
 
 RigFixture::RigFixture(const RigFixtureOptions& options)
-    : lcm_url_(testing::private_lcm_url()), sim_([this, &options] {
+    : lcm_url_(options.lcm_url.empty() ? testing::private_lcm_url() : options.lcm_url),
+      sim_([this, &options] {
         const std::string scene = testing::read_text(share("scenes") / (options.scene + ".toml"));
         testing::write_text(folder_ / (options.scene + ".toml"),
                             edited(scene, options.scene_edits) + "\n" + options.scene_addition + "\n");

@@ -28,7 +28,8 @@ struct RigFixtureOptions {
   std::uint64_t seed = 1;
   std::vector<std::string> strobed_options;
   std::vector<std::string> sim_options;
-  std::string shell;  ///< a script run instead of strobed itself, which it finds as "$@"
+  std::string lcm_url;  ///< of another bench; empty: one of its own
+  std::string shell;    ///< a script run instead of strobed itself, which it finds as "$@"
   std::map<std::string, std::string> environment;  ///< of strobe-sim and strobed, added to the test's own
   testing::Privileges rights = testing::Privileges::inherited;
 };

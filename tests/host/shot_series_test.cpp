@@ -131,6 +131,38 @@ TEST(ShotSeriesOfAHost, FiresAsManyAsWereAskedForAndNoMore) {
   LONGS_EQUAL(3, play.firmware.fired);
 }
 
+TEST(ShotSeriesOfAHost, ArmsNothingWhileAnotherRigHasTheName) {
+  Play play(series(2));
+  play.series.on_second_rig("2 rigs have the name");
+  play.run(100);
+  LONGS_EQUAL(0, play.firmware.fired);
+  LONGS_EQUAL(status_t::IDLE, play.firmware.status.state);
+  CHECK_EQUAL("2 rigs have the name", play.series.blocking_reason());
+  play.series.on_second_rig("");
+  play.run(1000);
+  CHECK_TRUE(play.series.succeeded());
+}
+
+TEST(ShotSeriesOfAHost, GivesTheArmingBackWhereAnotherRigIsHeardBeforeItsShot) {
+  Play play(series(1));
+  while (play.firmware.status.state != status_t::ARMED) play.turn();
+  play.series.on_second_rig("2 rigs have the name");
+  play.run(100);
+  LONGS_EQUAL(0, play.firmware.fired);
+  LONGS_EQUAL(1, play.firmware.disarmed);
+}
+
+TEST(ShotSeriesOfAHost, SaysThatTheRigDoesNotAnswerAndGivesUp) {
+  Play play(series(1));
+  play.firmware.deaf = true;
+  play.series.on_unanswered("heard but does not answer");
+  play.run(100);
+  CHECK_EQUAL("heard but does not answer", play.series.blocking_reason());
+  play.run(4000);
+  CHECK_TRUE(play.series.finished());
+  STRCMP_CONTAINS("heard but does not answer (waited 60 s)", play.series.blocking_reason().c_str());
+}
+
 TEST(ShotSeriesOfAHost, ARejectedShotIsFiredAgainWithinTheRetries) {
   Play play(series(2, 2));
   play.verdicts = {"the shot was aborted", "", "the photograph did not come in time", ""};
