@@ -14,6 +14,7 @@
 #include <strobe_msgs/command_t.hpp>
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/status_t.hpp>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -80,6 +81,11 @@ class ShotSeries {
   std::string activity() const;
   /// Why nothing can be fired, for a person; empty if it can.
   const std::string& blocking_reason() const { return blocking_reason_; }
+  /// What its next steps depend on, besides its settings and what words say.
+  auto progress() const {
+    return std::tuple(state_, entered_, sent_, begun_boot_, admitted_, boot_id_, shots_before_, fired_,
+                      asked_boot_, good_, refired_, refusals_, !refusal_.empty(), !ending_.empty());
+  }
 
  private:
   enum class State { waiting, arming, firing, shooting, finished };
