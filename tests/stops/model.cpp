@@ -148,6 +148,7 @@ bool Model::possible(Step step) const {
     case Step::a_result_bad:
       return under_way;
     case Step::a_hears_refusal:
+      return runs && std::get<11>(series_->progress()) == 0;
     case Step::a_hears_stop:
       return runs;
     case Step::a_repeats_disarm:
@@ -178,6 +179,8 @@ bool Model::possible(Step step) const {
       return lock_.state() == State::armed;
     case Step::clear_comes:
       return lock_.fault_text()[0] != '\0';
+    case Step::fault:
+      return limits_.faults;
     case Step::firmware_restarts:
       return limits_.restarts;
     case Step::trigger_due:
@@ -192,7 +195,8 @@ bool Model::possible(Step step) const {
 void Model::command() {
   act_a_ = later();
   series_.emplace(settings_of(limits_), factory_of_a());
-  // Another process, which knows nothing of what the one before it was about to disarm.
+  // Another process, which knows nothing of what the one before it heard, or was about to disarm.
+  heard_ = {};
   disarm_ = {};
   confirmed_ = false;
 }
@@ -201,7 +205,6 @@ void Model::press() {
   pressed_ = later();
   confirmed_ = false;
   disarm_was_sent_ = false;
-  disarm_boot_ = heard_.boot;
   disarm_.begin(host_now_, heard_.boot, to_ns(now_));
 }
 
@@ -225,7 +228,9 @@ void Model::hear_status() {
   status.boot_id = heard_.boot;
   status.state = static_cast<std::int8_t>(heard_.state);
   status.boot_time_ns = to_ns(later());
-  if (disarm_.on_status(status)) confirmed_ = true;
+  if (!disarm_.on_status(status)) return;
+  confirmed_ = true;
+  reset_since_ = false;
 }
 
 /// Newer than every command.
@@ -255,6 +260,7 @@ void Model::restart() {
   lock_.start(key, estop);
   sent_ = {};
   b_goes_on_ = false;
+  if (key && !estop && !limits_.restart_keeps) last_stop_ = {};
 }
 
 std::string Model::trigger() {
@@ -263,7 +269,8 @@ std::string Model::trigger() {
   const MonoTime act = fired_by_ == kHostA ? act_a_ : act_b_;
   if (lock_.estop_active() || !lock_.key_active()) return "TRIGGER WITH A SWITCH AGAINST IT";
   if (act <= last_stop_) return "TRIGGER AFTER A STOP WITHOUT A PERSON'S ACT";
-  if (confirmed_ && act <= pressed_) return "TRIGGER AFTER A CONFIRMED DISARM WITHOUT A PERSON'S ACT";
+  if (confirmed_ && act <= pressed_ && (limits_.disarm_undoes || !reset_since_))
+    return "TRIGGER AFTER A CONFIRMED DISARM WITHOUT A PERSON'S ACT";
   return "";
 }
 
@@ -299,6 +306,7 @@ void Model::take_of_a(Step step) {
   if (fault_.disarm_believed) {
     disarm_ = {};
     confirmed_ = true;
+    reset_since_ = false;
   }
 }
 
@@ -310,13 +318,14 @@ void Model::take_at_firmware(Step step) {
   const auto arm = [this, now](std::int64_t host) {
     lock_.arm(host, next_token_++, now + firmware::Interlock::kRestartDelay);
   };
+  const auto reset = [this, now](std::int64_t host, MonoTime acted) {
+    if (lock_.reset(host, acted, now - firmware::Interlock::kRestartDelay) == nullptr) reset_since_ = true;
+  };
   switch (step) {
     case Step::reset_of_a_comes:
-      lock_.reset(kHostA, sent_.acted, now - firmware::Interlock::kRestartDelay);
-      return;
+      return reset(kHostA, sent_.acted);
     case Step::reset_of_b_comes:
-      lock_.reset(kHostB, fault_.act_as_sent ? now : act_b_, now - firmware::Interlock::kRestartDelay);
-      return;
+      return reset(kHostB, fault_.act_as_sent ? now : act_b_);
     case Step::arm_of_a_comes:
       return arm(kHostA);
     case Step::arm_of_b_comes:
@@ -383,17 +392,17 @@ Key Model::key() const {
   const bool runs = series_ && !series_->finished();
   const bool firing = lock_.state() == State::firing;
   out.put(firing ? host_index(fired_by_) : 0, b_goes_on_, disarm_.open(), confirmed_, sent_.arm, sent_.disarm,
-          disarm_was_sent_ && fault_.disarm_once, runs);
+          disarm_was_sent_ && fault_.disarm_once, confirmed_ && reset_since_, runs);
   // Who acted after what.
+  const bool presses = disarm_.open() || confirmed_;
   const auto order = [&](MonoTime act) {
-    return (act > last_stop_ ? 1 : 0) + (act > pressed_ ? 2 : 0);
+    return (act > last_stop_ ? 1 : 0) + (presses && act > pressed_ ? 2 : 0);
   };
   const bool reset = sent_.acted != MonoTime{};
-  out.put(order(act_a_), order(act_b_), reset, reset && sent_.acted > last_stop_, last_stop_ > pressed_);
+  out.put(order(act_a_), order(act_b_), reset, reset && sent_.acted > last_stop_);
   const bool hears = heard_.boot != 0;
   if (!runs) {
-    out.put(sent_.token != 0 && sent_.token == lock_.arm_token(), hears && heard_.boot == boot_, hears,
-            disarm_boot_ == boot_);
+    out.put(sent_.token != 0 && sent_.token == lock_.arm_token(), hears && heard_.boot == boot_, hears);
     return out.key();
   }
   const auto [state, entered, sent, begun, admitted, boot, before, fired, asked, good, refired, refusals,
@@ -402,8 +411,9 @@ Key Model::key() const {
   const Ranks boots({boot_, heard_.boot, begun, of_shot ? boot : 0, asked});
   const Ranks shots({lock_.shot_id(), heard_.last_shot, of_shot ? before : 0});
   const Ranks tokens({lock_.arm_token(), heard_.arm_token});
-  out.put(sent_.token != 0 && sent_.token == lock_.arm_token(), sent_.token != 0 && sent_.token == heard_.arm_token,
-          tokens(lock_.arm_token()), tokens(heard_.arm_token), host_index(heard_.arm_host));
+  out.put(sent_.token != 0 && sent_.token == lock_.arm_token(),
+          sent_.token != 0 && sent_.token == heard_.arm_token, tokens(lock_.arm_token()),
+          tokens(heard_.arm_token), host_index(heard_.arm_host));
   out.put(boots(boot_), boots(heard_.boot), boots(begun), boots(of_shot ? boot : 0), boots(asked),
           shots(lock_.shot_id()), shots(heard_.last_shot), shots(of_shot ? before : 0));
   out.put(static_cast<int>(heard_.state) + 8 * (heard_.key ? 1 : 0) + 16 * (heard_.estop ? 1 : 0) +
@@ -420,16 +430,19 @@ std::string Model::revive(int& turns) const {
   };
   if (then.possible(Step::shot_over)) then.take(Step::shot_over);
   if (then.disarm_.open()) {
-    for (const Step step : {Step::a_hears_status, Step::a_repeats_disarm, Step::disarm_of_a_comes, Step::a_hears_status})
+    for (const Step step :
+         {Step::a_hears_status, Step::a_repeats_disarm, Step::disarm_of_a_comes, Step::a_hears_status})
       take_if_possible(step);
     if (then.disarm_.open()) return "A DISARM IS NEVER CONFIRMED";
   }
-  for (const Step step : {Step::clear_comes, Step::disarm_of_b_comes, Step::key_on, Step::estop_off, Step::a_commands})
+  for (const Step step :
+       {Step::clear_comes, Step::disarm_of_b_comes, Step::key_on, Step::estop_off, Step::a_commands})
     take_if_possible(step);
   for (turns = 1; turns <= 20; ++turns) {
     for (const Step step : {Step::a_hears_status, Step::a_waits, Step::reset_of_a_comes, Step::arm_of_a_comes,
                             Step::fire_of_a_comes})
       take_if_possible(step);
+    then.sent_ = {};
     if (!then.possible(Step::trigger_due)) continue;
     if (const std::string wrong = then.take(Step::trigger_due); !wrong.empty()) return wrong;
     if (then.triggered_) return "";

@@ -16,14 +16,14 @@ namespace strobe::stops {
 inline constexpr std::int64_t kHostA = 11, kHostB = 22;
 
 enum class Step : std::uint8_t {
-  a_commands,         ///< A's operator gives the command to fire
-  a_presses,          ///< A's operator presses Ctrl-backslash
-  a_turns,            ///< A's series goes on, on the newest status that it has heard, which may be old
-  a_waits,            ///< likewise, after all of its times but the longest
-  a_hears_nothing,    ///< likewise, after the longest
+  a_commands,       ///< A's operator gives the command to fire
+  a_presses,        ///< A's operator presses Ctrl-backslash
+  a_turns,          ///< A's series goes on, on the newest status that it has heard, which may be old
+  a_waits,          ///< likewise, after all of its times but the longest
+  a_hears_nothing,  ///< likewise, after the longest
   a_hears_status,
-  a_hears_refusal,    ///< of whichever of its commands
-  a_hears_stop,       ///< the event of one
+  a_hears_refusal,  ///< of whichever of its commands
+  a_hears_stop,     ///< the event of one
   a_result_good,
   a_result_bad,
   a_repeats_disarm,
@@ -32,7 +32,7 @@ enum class Step : std::uint8_t {
   fire_of_a_comes,
   disarm_of_a_comes,
   disarm_of_a_lost,
-  b_acts,             ///< B's operator asks to fire
+  b_acts,  ///< B's operator asks to fire
   reset_of_b_comes,
   arm_of_b_comes,
   fire_of_b_comes,
@@ -42,7 +42,7 @@ enum class Step : std::uint8_t {
   estop_on,
   estop_off,
   sleeps,
-  arming_ends,        ///< expired
+  arming_ends,  ///< expired
   fault,
   clear_comes,
   firmware_restarts,
@@ -55,15 +55,18 @@ const char* words(Step step);
 /// What is wrong on purpose.
 struct Fault {
   const firmware::TransitionTable* table = &firmware::kTransitionTable;
-  bool deaf_series = false;     ///< no status tells the series of a stop
-  bool act_as_sent = false;     ///< RESET tells when it was sent, not when the person acted
-  bool disarm_once = false;     ///< is not repeated
-  bool disarm_believed = false; ///< counts as confirmed once it was sent
+  bool deaf_series = false;      ///< no status tells the series of a stop
+  bool act_as_sent = false;      ///< RESET tells when it was sent, not when the person acted
+  bool disarm_once = false;      ///< is not repeated
+  bool disarm_believed = false;  ///< counts as confirmed once it was sent
 };
 
 struct Limits {
   int shots = 2, retries = 1;
   bool restarts = true;  ///< of the firmware
+  bool strict =
+      false;  ///< a confirmed DISARM also holds against what persons did between the last stop and the press
+  bool ways_back = true;  ///< every state is tried for one (Model::revive)
 };
 
 /// What a host hears.
@@ -94,9 +97,9 @@ class Model {
 
  private:
   struct Sent {
-    MonoTime acted{};          ///< of RESET; 0: none
+    MonoTime acted{};  ///< of RESET; 0: none
     bool arm = false, disarm = false;
-    std::int64_t token = 0;    ///< of FIRE; 0: none
+    std::int64_t token = 0;  ///< of FIRE; 0: none
   };
   MonoTime later() { return now_ = now_ + microseconds(1); }
   void stopped(MonoTime when) { last_stop_ = when; }
@@ -110,7 +113,6 @@ class Model {
   void event(std::int8_t kind);
   void restart();
   std::string trigger();
-  std::string withdrawn() const;
   void take_of_a(Step step);
   void take_at_firmware(Step step);
 
@@ -122,16 +124,16 @@ class Model {
   // Host A
   std::optional<host::ShotSeries> series_;
   host::DisarmRequest disarm_;
-  std::int64_t disarm_boot_ = 0;
   bool disarm_was_sent_ = false;
   HostTime host_now_{std::chrono::seconds{1000}};
   Snapshot heard_;
   Sent sent_;
   // What persons did, for the judge
   MonoTime act_a_{}, act_b_{}, last_stop_{};
-  MonoTime pressed_{};       ///< A's newest DISARM
-  bool confirmed_ = false;   ///< to A
-  bool b_goes_on_ = false;   ///< B was asked to fire since the firmware started
+  MonoTime pressed_{};        ///< A's newest DISARM
+  bool confirmed_ = false;    ///< to A
+  bool reset_since_ = false;  ///< a RESET was taken in after that
+  bool b_goes_on_ = false;    ///< B was asked to fire since the firmware started
   bool triggered_ = false;
 };
 

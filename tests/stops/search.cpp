@@ -13,6 +13,8 @@ namespace strobe::stops {
 
 namespace {
 
+constexpr std::uint32_t kMostStates = 4'000'000;
+
 struct KeyHash {
   std::size_t operator()(const Key& key) const {
     return std::hash<std::string_view>{}({reinterpret_cast<const char*>(key.data()), key.size()});
@@ -27,16 +29,14 @@ struct Trace {
 
 class Search {
  public:
-  Search(const Limits& limits, const Fault& fault, const std::vector<Step>& without) {
-    for (int i = 0; i < static_cast<int>(Step::count); ++i)
-      if (std::find(without.begin(), without.end(), static_cast<Step>(i)) == without.end())
-        steps_.push_back(static_cast<Step>(i));
+  Search(const Limits& limits, const Fault& fault) : ways_back_(limits.ways_back) {
     add(Model(limits, fault), {});
   }
 
   Found run() {
     const auto begin = std::chrono::steady_clock::now();
     for (std::uint32_t place = 0; !open_.empty() && found_.wrong.empty(); ++place) {
+      if (place > kMostStates) found_.wrong = "MORE STATES THAN EXPECTED";
       expand(open_.front(), place);
       open_.pop_front();
     }
@@ -54,9 +54,11 @@ class Search {
 
   void expand(const Model& model, std::uint32_t place) {
     int turns = 0;
-    if (const std::string wrong = model.revive(turns); !wrong.empty()) return report(wrong, place, Step::count);
+    const std::string stuck = ways_back_ ? model.revive(turns) : "";
+    if (!stuck.empty()) return report(stuck, place, Step::count);
     found_.turns = std::max(found_.turns, turns);
-    for (const Step step : steps_) {
+    for (int i = 0; i < static_cast<int>(Step::count); ++i) {
+      const Step step = static_cast<Step>(i);
       if (!model.possible(step)) continue;
       Model next = model;
       ++found_.transitions;
@@ -80,7 +82,7 @@ class Search {
     if (last != Step::count) found_.path.push_back(last);
   }
 
-  std::vector<Step> steps_;
+  bool ways_back_;
   std::deque<Model> open_;
   std::vector<Trace> traces_;
   std::unordered_set<Key, KeyHash> known_;
@@ -89,14 +91,12 @@ class Search {
 
 }  // namespace
 
-Found search(const Limits& limits, const Fault& fault, const std::vector<Step>& without) {
-  return Search(limits, fault, without).run();
-}
+Found search(const Limits& limits, const Fault& fault) { return Search(limits, fault).run(); }
 
 std::string in_words(const Found& found) {
-  std::string text = fmt::format("{} states, {} transitions, {} triggers, depth {}, at most {} turns from act to trigger, {:.1f} s",
-                                 found.states, found.transitions, found.triggers, found.depth, found.turns,
-                                 found.seconds);
+  std::string text = fmt::format(
+      "{} states, {} transitions, {} triggers, depth {}, at most {} turns from act to trigger, {:.1f} s",
+      found.states, found.transitions, found.triggers, found.depth, found.turns, found.seconds);
   if (found.wrong.empty()) return text;
   text += "\n  " + found.wrong + ":";
   for (const Step step : found.path) text += fmt::format("\n    {}", words(step));

@@ -18,8 +18,8 @@ struct Found {
   std::vector<Step> path;  ///< to it, none is shorter
 };
 
-/// Ends at the first that is wrong. without: steps that are not taken.
-Found search(const Limits& limits, const Fault& fault = {}, const std::vector<Step>& without = {});
+/// Ends at the first that is wrong.
+Found search(const Limits& limits, const Fault& fault = {});
 
 std::string in_words(const Found& found);
 

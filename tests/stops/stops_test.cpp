@@ -8,10 +8,106 @@
 using namespace strobe;
 using namespace strobe::stops;
 
-TEST_GROUP(Stops){};
+namespace {
 
-TEST(Stops, NoStateLeadsToATriggerWithoutAPersonAfterAStop) {
-  const Found found = search({});
-  std::printf("stops: %s\n", in_words(found).c_str());
+using firmware::InterlockEvent;
+using firmware::TransitionTable;
+
+Found searched(const char* what, const Limits& limits, const Fault& fault = {}) {
+  const Found found = search(limits, fault);
+  std::printf("%s: %s\n", what, in_words(found).c_str());
+  return found;
+}
+
+TransitionTable without_guard(InterlockEvent event, std::uint32_t guards) {
+  TransitionTable table = firmware::kTransitionTable;
+  table[static_cast<std::size_t>(event)].guards &= ~guards;
+  return table;
+}
+
+TransitionTable without_latch() {
+  TransitionTable table = firmware::kTransitionTable;
+  for (firmware::TransitionRow& row : table) row.actions &= ~firmware::action::latch_stop;
+  return table;
+}
+
+}  // namespace
+
+TEST_GROUP(Stops) {
+  static constexpr Limits kSafety{.shots = 1, .retries = 0, .restarts = false, .ways_back = false};
+
+  void expect(const char* wrong, const char* what, const Limits& limits, const Fault& fault) {
+    STRCMP_CONTAINS(wrong, searched(what, limits, fault).wrong.c_str());
+  }
+};
+
+// What is wrong in a state from which a person's one act does not lead to a shot is found by the same searches.
+TEST(Stops, NothingIsTriggeredAfterAStopWithoutAPersonInASeriesOfSeveralShots) {
+  const Found found = searched("a series with retries", {.restarts = false, .faults = false});
   CHECK_EQUAL("", found.wrong);
+  CHECK(found.triggers > 0);
+}
+
+TEST(Stops, NorWithFaultsAndAFirmwareThatStartsAnew) {
+  const Found found = searched("faults and restarts", {.shots = 1, .retries = 0});
+  CHECK_EQUAL("", found.wrong);
+  CHECK(found.triggers > 0);
+}
+
+TEST(Stops, TheFirmwareAloneKeepsThemAgainstASeriesThatHearsOfNone) {
+  const Found found = searched(
+      "a deaf series", {.shots = 1, .retries = 0, .restarts = false, .faults = false}, {.deaf_series = true});
+  CHECK_EQUAL("", found.wrong);
+  CHECK(found.triggers > 0);
+}
+
+// Two gaps that are left, so that nobody takes them for closed: whoever closes one turns its test around.
+TEST(Stops, LeftOpenADisarmThatIsLostWhileTheRigIsStoppedIsTakenForConfirmed) {
+  Limits limits = kSafety;
+  limits.disarm_undoes = true;
+  expect("CONFIRMED DISARM", "a confirmation without the DISARM", limits, {});
+}
+
+TEST(Stops, LeftOpenAFirmwareThatStartsAnewForgetsAStopOfASeriesThatHasNotBegun) {
+  Limits limits = kSafety;
+  limits.restarts = limits.restart_keeps = true;
+  expect("AFTER A STOP", "a stop before the firmware's start", limits, {});
+}
+
+TEST(Stops, WouldNoticeAnInterlockThatForgetsAStop) {
+  const TransitionTable table = without_latch();
+  expect("AFTER A STOP", "no stop is latched", kSafety, {.table = &table});
+}
+
+TEST(Stops, WouldNoticeAnInterlockThatArmsForAHostWhosePersonDidNotAct) {
+  const TransitionTable table = without_guard(InterlockEvent::arm, firmware::guard::reset_by_host);
+  expect("AFTER A STOP", "another host's RESET counts", kSafety, {.table = &table});
+}
+
+TEST(Stops, WouldNoticeAnInterlockThatTakesAResetFromBeforeTheStop) {
+  const TransitionTable table = without_guard(InterlockEvent::reset, firmware::guard::after_stops);
+  expect("AFTER A STOP", "an older act counts", kSafety, {.table = &table});
+}
+
+TEST(Stops, WouldNoticeAHostWhoseResetTellsWhenItWasSent) {
+  expect("AFTER A STOP", "RESET tells when it was sent", kSafety, {.act_as_sent = true});
+}
+
+TEST(Stops, WouldNoticeADisarmThatIsSentOnce) {
+  Limits limits = kSafety;
+  limits.ways_back = true;
+  expect("A DISARM IS NEVER CONFIRMED", "DISARM is sent once", limits, {.disarm_once = true});
+}
+
+TEST(Stops, WouldNoticeADisarmThatIsBelievedUnheard) {
+  expect("CONFIRMED DISARM", "DISARM counts as confirmed once it is sent", kSafety,
+         {.disarm_believed = true});
+}
+
+TEST(Stops, WouldNoticeARigThatIsStoppedForGood) {
+  TransitionTable table = firmware::kTransitionTable;
+  table[static_cast<std::size_t>(InterlockEvent::reset)]
+      .in[static_cast<std::size_t>(firmware::State::stopped)]
+      .next = firmware::State::stopped;
+  expect("DOES NOT LEAD TO A SHOT", "no RESET ends a stop", {.restarts = false}, {.table = &table});
 }
