@@ -14,8 +14,8 @@
 
 namespace strobe::soak {
 
-enum class Receiver { firmware, host, tablet };
-inline constexpr std::size_t kReceivers = 3;
+enum class Receiver { firmware, host, tablet, other_host, watcher };
+inline constexpr std::size_t kReceivers = 5;
 
 struct BusFaults {
   double loss = 0.0, duplication = 0.0, reordering = 0.0;

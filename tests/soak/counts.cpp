@@ -37,6 +37,12 @@ void SoakCounts::add(const SoakCounts& other) {
                            &SoakCounts::packets_doubled,
                            &SoakCounts::packets_reordered,
                            &SoakCounts::strangers,
+                           &SoakCounts::acts,
+                           &SoakCounts::stops_reached,
+                           &SoakCounts::stops_asked,
+                           &SoakCounts::stops_confirmed,
+                           &SoakCounts::stops_told_missing,
+                           &SoakCounts::stopped_triggers,
                            &SoakCounts::events_journalled,
                            &SoakCounts::events_missing,
                            &SoakCounts::events_never_received,
@@ -83,6 +89,12 @@ std::string table_of(const SoakCounts& counts) {
     line(fmt::format("exposures with {}", sim::kFaultNames[i]), counts.rig_faults[i]);
   for (std::size_t i = 0; i < kHazardCount; ++i)
     line(fmt::format("times {}", kHazardNames[i]), counts.hazards[i]);
+  line("acts of persons, to fire", counts.acts);
+  line("stops that reached the rig", counts.stops_reached);
+  line("stops asked for at hosts", counts.stops_asked);
+  line("  shown as confirmed", counts.stops_confirmed);
+  line("  shown as not confirmed within a second", counts.stops_told_missing);
+  line("trigger pulses between a stop and an act", counts.stopped_triggers);
   line("packets, times receivers", counts.packets);
   line("  lost, doubled, reordered",
        fmt::format("{}, {}, {}", counts.packets_lost, counts.packets_doubled, counts.packets_reordered));

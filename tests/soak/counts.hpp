@@ -29,7 +29,13 @@ struct SoakCounts {
   std::array<std::int64_t, sim::kFaultNames.size()> rig_faults{};  ///< exposures that each struck
   std::array<std::int64_t, kHazardCount> hazards{};
   std::int64_t packets = 0, packets_lost = 0, packets_doubled = 0, packets_reordered = 0;
-  std::int64_t strangers = 0;  ///< packets that strangers sent
+  std::int64_t strangers = 0;           ///< packets that strangers sent
+  std::int64_t acts = 0;                ///< of persons, who gave the command to fire
+  std::int64_t stops_reached = 0;       ///< of the drawn ones
+  std::int64_t stops_asked = 0;         ///< at hosts
+  std::int64_t stops_confirmed = 0;     ///< shown as confirmed there
+  std::int64_t stops_told_missing = 0;  ///< shown as not confirmed there within a second
+  std::int64_t stopped_triggers = 0;    ///< pulses between a stop and the next act
   std::int64_t events_journalled = 0;
   std::int64_t events_missing = 0;         ///< journalled and on no host in the end
   std::int64_t events_never_received = 0;  ///< of boots that ended before any host heard of them

@@ -40,6 +40,23 @@ FaultPlan wild_faults() {
   return plan;
 }
 
+FaultPlan stop_faults() {
+  FaultPlan plan;
+  plan.name = "stops";
+  for (const Hazard stop : {Hazard::key_off, Hazard::estop, Hazard::ctrl_c, Hazard::stop_at_once,
+                            Hazard::page_disarm, Hazard::firmware_suspend, Hazard::host_suspend})
+    plan[stop] = 0.06;
+  plan[Hazard::other_series] = 0.15;
+  plan[Hazard::network_outage] = 0.05;
+  plan[Hazard::command_replay] = 0.3;
+  plan[Hazard::loop_freeze] = plan[Hazard::loop_delay] = 0.03;
+  plan[Hazard::firmware_kill] = plan[Hazard::firmware_stop] = plan[Hazard::host_kill] = 0.01;
+  plan.packet_loss = 0.2;
+  plan.packet_duplication = 0.1;
+  plan.packet_reordering = 0.2;
+  return plan;
+}
+
 Result<FaultPlan> read_fault_plan(std::string_view text, const std::string& file_name) {
   config::TomlReader reader(text, file_name);
   config::TomlTable root = reader.root();
@@ -63,8 +80,9 @@ Result<FaultPlan> find_fault_plan(const std::string& word) {
   if (word == "none") return no_faults();
   if (word == "mild") return mild_faults();
   if (word == "wild") return wild_faults();
+  if (word == "stops") return stop_faults();
   std::ifstream file(word);
-  if (!file) return fail(word + ": neither none, mild or wild nor a file that can be read");
+  if (!file) return fail(word + ": neither none, mild, wild or stops nor a file that can be read");
   std::ostringstream text;
   text << file.rdbuf();
   return read_fault_plan(text.str(), word);

@@ -9,14 +9,13 @@ namespace strobe::soak {
 namespace {
 
 firmware::PublisherSettings publisher_settings(const FirmwareProcess::Settings& settings,
-                                               const firmware::FolderFindings& found,
-                                               firmware::Clock& clock) {
+                                               const firmware::FolderFindings& found) {
   firmware::PublisherSettings result;
   result.boot_id = settings.boot_id;
   result.session = settings.session;
   result.real_time = true;
   result.wall_ns = settings.wall_ns;
-  result.boot_time_ns = [&clock] { return to_ns(clock.now()); };
+  result.boot_time_ns = settings.boot_time_ns;
   result.say = settings.say;
   result.found = found;
   return result;
@@ -33,12 +32,11 @@ FirmwareProcess::FirmwareProcess(const firmware::Rig& rig, const FirmwarePorts& 
       journal_(std::move(journal)),
       bus_(ports.bus, settings.key, settings.boot_id),
       sequencer_(rig, {ports.loop_clock, ports.outputs, ports.edges, queue_, commands_}, found.last_shot_id),
-      publisher_(rig, publisher_settings(settings, found, ports.publisher_clock), queue_, mailbox_, journal_,
-                 bus_, ports.publisher_clock),
+      publisher_(rig, publisher_settings(settings, found), queue_, mailbox_, journal_, bus_,
+                 ports.publisher_clock),
       rejections_(ports.publisher_clock, settings.say),
-      receiver_(
-          rig, settings.boot_id, settings.key, commands_, mailbox_, rejections_,
-          [&clock = ports.publisher_clock] { return to_ns(clock.now()); }, settings.draw_token) {}
+      receiver_(rig, settings.boot_id, settings.key, commands_, mailbox_, rejections_, settings.boot_time_ns,
+                settings.draw_token) {}
 
 Result<std::unique_ptr<FirmwareProcess>> FirmwareProcess::start(const firmware::Rig& rig,
                                                                 const FirmwarePorts& ports,

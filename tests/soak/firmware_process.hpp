@@ -34,6 +34,7 @@ class FirmwareProcess {
     std::filesystem::path session;
     std::function<std::int64_t()> draw_token;
     std::function<std::int64_t()> wall_ns;
+    std::function<std::int64_t()> boot_time_ns;
     std::function<void(const std::string&)> say;
   };
 

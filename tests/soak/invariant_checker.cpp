@@ -20,6 +20,9 @@ constexpr Duration kRace = microseconds(2);  // from the last look at the key to
 constexpr Duration kTokenLife = milliseconds(30'100);
 constexpr Duration kFireToTrigger = milliseconds(5'000);
 
+constexpr Duration kRestartDelay = milliseconds(2000);
+constexpr Duration kShownWithin = milliseconds(1000);
+
 constexpr std::array kOutputNames{"trigger", "lamps", "shutter"};
 
 // An encoded event begins with its fingerprint and its version; boot and sequence follow.
@@ -102,9 +105,82 @@ void InvariantChecker::check_trigger(MonoTime at) {
     if (token.boot_id != boot_id_ || !known(token.fired) || token.dry || token.spent) continue;
     if (at < token.fired || at - token.fired > kFireToTrigger + excused(token.fired, at)) continue;
     token.spent = true;
-    return;
+    return check_act(token, at);
   }
   violate(fmt::format("trigger at {} without a fresh token", to_ns(at)));
+}
+
+/// Whether a person wanted it after the last stop.
+void InvariantChecker::check_act(const Token& token, MonoTime at) {
+  const auto act = acted_.find(token.host_id);
+  const MonoTime acted = act == acted_.end() ? kNoTime : act->second;
+  const auto acted_since = [acted](MonoTime stop) { return known(acted) && acted > stop; };
+  const auto violate_act = [&](std::string_view what) {
+    ++stops_.triggers;
+    violate(fmt::format("trigger at {} by host {:x} {}", to_ns(at), token.host_id, what));
+  };
+  const auto slept = host_slept_.find(token.host_id);
+  if (slept != host_slept_.end() && token.fired >= slept->second && !acted_since(slept->second))
+    return violate_act("after its sleep, without a person's act");
+  if (!known(last_stop_) || at - last_stop_ <= kMakesSafe + excused(last_stop_, at)) return;
+  if (!acted_since(last_stop_))
+    return violate_act(fmt::format("without a person's act since the stop at {}", to_ns(last_stop_)));
+  if (stopped_in_boot_ && (!known(reset_) || at - reset_ < kRestartDelay))
+    violate_act("sooner than the restart delay after a reset");
+}
+
+/// Has reached the rig.
+void InvariantChecker::stop(MonoTime at) {
+  last_stop_ = at;
+  reset_ = kNoTime;
+  stopped_in_boot_ = true;
+}
+
+void InvariantChecker::booted(std::int64_t boot_id) {
+  boot_id_ = boot_id;
+  alive_ = true;
+  stopped_in_boot_ = false;
+  newest_command_.clear();
+}
+
+void InvariantChecker::note_command(std::int64_t host_id, std::int8_t kind, MonoTime at) {
+  if (kind == command_t::DISARM) {
+    stop(at);
+    const auto asked = asked_.find(host_id);
+    if (asked != asked_.end() && !std::exchange(asked->second.reached, true)) ++stops_.reached;
+  }
+  const auto act = acted_.find(host_id);
+  if (kind == command_t::RESET && !known(reset_) && act != acted_.end() && act->second > last_stop_)
+    reset_ = at;
+}
+
+void InvariantChecker::stop_asked(std::int64_t host_id, HostTime then, MonoTime at) {
+  ++stops_.asked;
+  asked_.insert({host_id, {then, at, false, false}});
+}
+
+void InvariantChecker::confirmation_shown(std::int64_t host_id) {
+  const auto asked = asked_.find(host_id);
+  if (asked == asked_.end()) return;
+  ++stops_.confirmed;
+  // Whatever it was that stopped the rig: who was told so relies on it.
+  if (!known(last_stop_) || asked->second.at > last_stop_) last_stop_ = asked->second.at;
+  asked_.erase(asked);
+}
+
+void InvariantChecker::shows(std::int64_t host_id, bool danger, HostTime now) {
+  const auto found = asked_.find(host_id);
+  if (found == asked_.end()) return;
+  Asked& asked = found->second;
+  if (asked.danger) return;
+  if (danger) {
+    asked.danger = true;
+    ++stops_.danger_shown;
+  } else if (now - asked.then > kShownWithin) {
+    asked.danger = true;
+    violate(fmt::format("a stop asked for at host {:x} at {} is neither confirmed nor shown as a danger",
+                        host_id, to_ns(asked.at)));
+  }
 }
 
 void InvariantChecker::check_lamps(strobe::Lamps lamps, MonoTime at) {
@@ -130,12 +206,16 @@ void InvariantChecker::became_unsafe(MonoTime at) {
 }
 
 void InvariantChecker::key(bool on, MonoTime at) {
+  if (alive_) stop(at);
+  if (alive_ && !on) ++stops_.reached;
   key_ = on;
   if (!on) became_unsafe(at);
   if (key_ && !estop_) unsafe_since_ = kNoTime;
 }
 
 void InvariantChecker::estop(bool pressed, MonoTime at) {
+  if (alive_) stop(at);
+  if (alive_ && pressed) ++stops_.reached;
   estop_ = pressed;
   if (pressed) became_unsafe(at);
   if (key_ && !estop_) unsafe_since_ = kNoTime;
@@ -149,6 +229,10 @@ void InvariantChecker::at_firmware(const std::vector<std::uint8_t>& bytes, MonoT
   command_t command{};
   if (command.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
   if (command.boot_id != boot_id_) return;
+  // One whose number is not above the last one's is ignored.
+  std::int64_t& newest = newest_command_[command.host_id];
+  if (command.command_id > newest) note_command(command.host_id, command.kind, at);
+  newest = std::max(newest, command.command_id);
   if (command.kind == command_t::ARM) arming_host_ = command.host_id;
   if (command.kind != command_t::FIRE) return;
   const auto token = tokens_.find(command.arm_token);

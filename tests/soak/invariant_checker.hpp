@@ -4,6 +4,10 @@
 //    firmware that carries a fresh token of an ARM of the same host; each token for one pulse;
 //  - after the key goes off or the e-stop is pressed every output is inactive within 1 ms, and none stays
 //    or becomes active until both are good again (the trigger: within 2 us);
+//  - after a stop that reached the rig (key or e-stop moved either way, a DISARM, its machine's sleep) the trigger only
+//    by a FIRE of a host at which a person acted after it, and no sooner than 2 s after a RESET; as much after a stop
+//    that a host showed as confirmed; after the sleep of a host's machine by no FIRE sent later without an act;
+//  - a stop asked for at a host that is not shown as confirmed within a second is shown as a danger by then;
 //  - no output longer than its limit, lamps no closer and no more often than theirs;
 //  - in the end all outputs are inactive, every event in a journal is on the host (but of a boot that ended
 //    before any host received a message: such events are counted), sequences have no gaps;
@@ -43,10 +47,21 @@ class InvariantChecker {
   void estop(bool pressed, MonoTime at);
 
   // The processes
-  void booted(std::int64_t boot_id) { boot_id_ = boot_id; }
-  void died(MonoTime at) { died_ = at; }
+  void booted(std::int64_t boot_id);
+  void died(MonoTime at) { died_ = at, alive_ = false; }
   void stands_still(MonoTime from, MonoTime until) { still_.push_back({from, until}); }
   void token_drawn(std::int64_t token, MonoTime at);
+
+  // The persons and what they are shown; times of one host by its own clock
+  void acted(std::int64_t host_id, MonoTime at) { acted_[host_id] = at; }
+  void suspended(MonoTime at) { ++stops_.reached, stop(at); }
+  /// wakes: when that host's machine goes on.
+  void host_sleeps(std::int64_t host_id, MonoTime wakes) { host_slept_[host_id] = wakes; }
+  void stop_asked(std::int64_t host_id, HostTime then, MonoTime at);
+  void confirmation_shown(std::int64_t host_id);
+  /// What a host shows now, as long as it lives.
+  void shows(std::int64_t host_id, bool danger, HostTime now);
+  void host_gone(std::int64_t host_id) { asked_.erase(host_id); }
 
   // The packets
   void at_firmware(const std::vector<std::uint8_t>& command, MonoTime at);
@@ -61,6 +76,14 @@ class InvariantChecker {
   const std::vector<std::string>& violations() const { return violations_; }
   const std::optional<TruthComparison>& last_comparison() const { return comparison_; }
   int triggers() const { return triggers_; }
+  struct Stops {
+    int reached = 0;       ///< the rig; a switch moved there and back counts once
+    int asked = 0;         ///< at a host
+    int confirmed = 0;     ///< of these, as their host showed
+    int danger_shown = 0;  ///< of these, not confirmed within a second, and told so
+    int triggers = 0;      ///< pulses between a stop and the next act of a person
+  };
+  const Stops& stops() const { return stops_; }
   std::int64_t events_journalled() const { return journalled_; }
   std::int64_t events_missing() const { return missing_; }
   /// Of boots that ended before any host received a message of theirs.
@@ -84,7 +107,16 @@ class InvariantChecker {
     MonoTime must_end = kNoTime;  ///< made unsafe at that instant, while active
   };
 
+  struct Asked {
+    HostTime then;
+    MonoTime at;
+    bool reached = false, danger = false;
+  };
+
   void check_trigger(MonoTime at);
+  void check_act(const Token& token, MonoTime at);
+  void stop(MonoTime at);
+  void note_command(std::int64_t host_id, std::int8_t kind, MonoTime at);
   void check_lamps(strobe::Lamps lamps, MonoTime at);
   void check_end(firmware::Output output, const Watched& watched, MonoTime at);
   void became_unsafe(MonoTime at);
@@ -95,10 +127,17 @@ class InvariantChecker {
 
   firmware::Rig limits_;
   std::array<Watched, firmware::kOutputs.size()> outputs_{};
-  bool key_ = true, estop_ = false;
+  bool key_ = true, estop_ = false, alive_ = true;
   MonoTime unsafe_since_ = kNoTime, died_ = kNoTime;
   std::vector<Still> still_;
   std::int64_t boot_id_ = 0, arming_host_ = 0;
+  MonoTime last_stop_ = kNoTime,
+           reset_ = kNoTime;  ///< the first RESET since that stop, of a person's act after it
+  bool stopped_in_boot_ = false;
+  std::map<std::int64_t, MonoTime> acted_, host_slept_;  ///< by host
+  std::map<std::int64_t, std::int64_t> newest_command_;  ///< likewise
+  std::map<std::int64_t, Asked> asked_;                  ///< likewise; not confirmed
+  Stops stops_;
   std::map<std::int64_t, Token> tokens_;
   std::array<MonoTime, 2> last_flash_{kNoTime, kNoTime};  ///< of lamp A, of lamp B
   int flashes_of_shot_ = 0, triggers_ = 0;

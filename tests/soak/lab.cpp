@@ -51,12 +51,13 @@ HostSettings host_settings_of(const RigFiles& files, const RunSettings& settings
   const bool mirrored = lab_setup.scene.camera.mirrored;
   host.assembly.analysis.surface_angle_deg =
       lab_setup.scene.surface_angle_rad * (mirrored ? -1.0 : 1.0) * 180.0 / std::numbers::pi;
-  host.series.shots = settings.shots;
-  host.series.retries = 2 * settings.shots;
-  host.series.plan = lab_setup.plan.shot();
-  host.series.notes = lab_setup.notes;
-  host.series.clear_fault = true;
-  host.series.photograph_timeout_s = host.assembly.analysis.photograph_timeout_s;
+  host::ShotSeriesSettings& series = host.series.emplace();
+  series.shots = settings.shots;
+  series.retries = 2 * settings.shots;
+  series.plan = lab_setup.plan.shot();
+  series.notes = lab_setup.notes;
+  series.clear_fault = true;
+  series.photograph_timeout_s = host.assembly.analysis.photograph_timeout_s;
   return host;
 }
 
@@ -86,13 +87,14 @@ Lab::Lab(const RigFiles& files, const RunSettings& settings)
       strangers_bus_(mixed(seed_of(settings), 4)),
       publisher_clock_(std::make_unique<PublisherClock>(*this)),
       publisher_wake_(std::make_unique<PublisherWake>(*this)),
-      loop_wake_(std::make_unique<LoopWake>(*this)) {
+      loop_wake_(std::make_unique<LoopWake>(*this)),
+      host_(Receiver::host, random_),
+      other_host_(Receiver::other_host, random_),
+      watcher_(Receiver::watcher, random_) {
   bus_.set_faults(
       {settings.faults.packet_loss, settings.faults.packet_duplication, settings.faults.packet_reordering});
   strangers_bus_.set_faults({0.0, 0.1, 0.5});
   publisher_latency_ = nanoseconds(std::llround(random_.log_uniform(0.5e6, 30e6)));
-  host_rate_ = 1.0 + random_.uniform(-50e-6, 50e-6);
-  host_origin_ = from_ns<HostTime>(std::llround(random_.uniform(1e9, 1e15)));
 }
 
 Lab::~Lab() = default;
@@ -102,7 +104,7 @@ Lab::~Lab() = default;
 MonoTime Lab::next() {
   if (schedule_changed_) {
     next_ = std::min({timeline_.next(), bus_.next_due(), strangers_bus_.next_due(), rig_.next_due(),
-                      tablet_operator_.next_due(), publisher_due_, host_due_});
+                      tablet_operator_.next_due(), publisher_due_, hosts_due()});
     schedule_changed_ = false;
   }
   return next_;
@@ -116,7 +118,7 @@ void Lab::process_next() {
   if (bus_.next_due() <= at) return deliver();
   if (strangers_bus_.next_due() <= at) return deliver_strangers();
   if (publisher_due_ <= at) return publisher_turn();
-  if (host_due_ <= at) return host_turn();
+  if (hosts_due() <= at) return host_turn();
   if (tablet_operator_.next_due() <= at) return tablet_operator_turn();
   perform(timeline_.take().item);
 }

@@ -19,11 +19,11 @@
 #include "tests/soak/disk.hpp"
 #include "tests/soak/fault_plan.hpp"
 #include "tests/soak/firmware_process.hpp"
+#include "tests/soak/host_machine.hpp"
 #include "tests/soak/invariant_checker.hpp"
 #include "tests/soak/lab_setup.hpp"
 #include "tests/soak/stranger.hpp"
 #include "tests/soak/tablet_operator.hpp"
-#include "tests/soak/virtual_host.hpp"
 #include "tests/support/sealed_sender.hpp"
 
 namespace strobe::soak {
@@ -62,7 +62,8 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
     key_on,
     estop_off,
     disk_free,
-    host_start,
+    give_command,  ///< the operator, to fire
+    network_back,
     firmware_kill,
     guardian,
     boot,
@@ -85,6 +86,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
 
   // Ports of the firmware's loop
   MonoTime now() noexcept override;
+  Duration suspended() noexcept override { return slept_; }
   MonoTime spin_until(MonoTime instant) noexcept override;
   bool set(firmware::Output output, bool active) noexcept override;
   bool set_lamps(strobe::Lamps lamps) noexcept override;
@@ -121,6 +123,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void count_down_call_hazards();
   void stand_still(Duration duration, bool whole_machine);
   void stop_hazards();
+  void sleep();
 
   // Processes
   void boot();
@@ -128,8 +131,21 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void stop_firmware();
   void guardian_takes_over();
   void publisher_turn();
+  // Hosts
+  void start(HostMachine& machine, const HostSettings& settings);
+  void end(HostMachine& machine);
   void start_host();
+  void start_other_series();
+  void start_watcher();
+  void mend_network();
+  void give_command();
   void host_turn();
+  void step(HostMachine& machine);
+  void judge_series();
+  void stop_at(HostMachine& machine, Hazard way);
+  void sleep(HostMachine& machine);
+  void to_host(HostMachine& machine, const std::string& channel, const std::vector<std::uint8_t>& bytes);
+  MonoTime hosts_due() const;
   void deliver();
   void deliver_strangers();
   /// To the host, and whoever listens.
@@ -143,7 +159,8 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   bool over();
   void trace_lab_setup();
   void settle();
-  HostTime host_now() const;
+  /// As if the firmware's machine had not slept.
+  MonoTime world() const { return time_ + slept_; }
   std::string trace_time() const;
   template <typename... Args>
   void trace(const char* format, const Args&... args);
@@ -191,11 +208,10 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   Duration publisher_latency_{};
   Duration wall_offset_{};
 
-  std::unique_ptr<VirtualHost> host_;
-  HostLog host_log_;
-  MonoTime host_due_ = kFarFuture;
-  double host_rate_ = 1.0;
-  HostTime host_origin_;
+  Duration slept_{};  ///< the firmware's machine
+  bool asleep_ = false;
+  HostMachine host_, other_host_, watcher_;
+  bool command_due_ = false;  ///< the operator will give it
   int good_ = 0;
   bool hazards_stopped_ = false, finished_ = false;
   std::map<ShotKey, Shot> shots_;

@@ -1,4 +1,4 @@
-// The processes of the lab: firmware, its guardian, host, tablet operator; their starts and ends; hazards.
+// The processes of the lab: firmware, its guardian, tablet operator; their starts and ends; hazards; results.
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -18,10 +18,7 @@ using firmware::Output;
 namespace {
 
 constexpr Duration kHazardInterval = milliseconds(500);
-constexpr Duration kHostTurn = milliseconds(20);
-constexpr Duration kHostBatch = milliseconds(1);
 constexpr Duration kLongestRun = milliseconds(1'800'000);
-constexpr std::size_t kOldCommands = 64;
 
 bool has_numbers(const reduction::Readout& readout) {
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i)
@@ -42,10 +39,6 @@ bool images_are_ambiguous(const sim::Scene& scene, const sim::Exposure& exposure
 
 std::string Lab::trace_time() const {
   return fmt::format("{:14.6f}", static_cast<double>(to_ns(time_) - 1'000'000'000'000) * 1e-9);
-}
-
-HostTime Lab::host_now() const {
-  return host_origin_ + Duration{std::llround(static_cast<double>(to_ns(time_)) * host_rate_)};
 }
 
 // Hazards -----------------------------------------------------------------------------------------------------
@@ -112,10 +105,9 @@ void Lab::inject(Hazard hazard) {
     case Hazard::loop_delay:
       return stand_still(soon(20e-6, 5e-3), false);
     case Hazard::host_kill:
-      if (!host_) return;
-      host_.reset();
-      host_due_ = kFarFuture;
-      return in(soon(0.05, 1.0), Action::host_start);
+      end(host_);
+      if (std::exchange(command_due_, true)) return;
+      return in(soon(0.05, 1.0), Action::give_command);
     case Hazard::wall_step:
       wall_offset_ = wall_offset_ + random_.between(milliseconds(-86'400'000), milliseconds(86'400'000));
       return;
@@ -127,6 +119,20 @@ void Lab::inject(Hazard hazard) {
       return bus_.send(Receiver::firmware,
                        messages::channel_name(files_.host.rig, messages::Channel::command),
                        old_commands_[static_cast<std::size_t>(random_.bits() % old_commands_.size())], time_);
+    case Hazard::ctrl_c:
+    case Hazard::stop_at_once:
+      return stop_at(host_, hazard);
+    case Hazard::page_disarm:
+      return stop_at(watcher_, hazard);
+    case Hazard::other_series:
+      return start_other_series();
+    case Hazard::firmware_suspend:
+      return sleep();
+    case Hazard::host_suspend:
+      return sleep(host_);
+    case Hazard::network_outage:
+      bus_.set_faults({1.0, 0.0, 0.0});
+      return in(soon(0.1, 5.0), Action::network_back);
   }
 }
 
@@ -142,8 +148,10 @@ void Lab::perform(const Scheduled& scheduled) {
       return set_estop(false);
     case Action::disk_free:
       return disk_.make_room();
-    case Action::host_start:
-      return start_host();
+    case Action::give_command:
+      return give_command();
+    case Action::network_back:
+      return mend_network();
     case Action::firmware_kill:
       return die();
     case Action::guardian:
@@ -162,6 +170,7 @@ void Lab::stop_hazards() {
   disk_.make_room();
   set_key(true);
   set_estop(false);
+  if (other_host_.process) other_host_.process->stop_at_once();
 }
 
 // Firmware --------------------------------------------------------------------------------------------------
@@ -177,6 +186,7 @@ void Lab::boot() {
     return token;
   };
   settings.wall_ns = [this] { return 1'770'000'000'000'000'000 + to_ns(time_) + wall_offset_.count(); };
+  settings.boot_time_ns = [this] { return to_ns(world()); };
   settings.say = [this](const std::string& line) { trace("strobed: {}", line); };
   disk_.write([&] {
     auto process = FirmwareProcess::start(
@@ -239,42 +249,7 @@ void Lab::publisher_turn() {
   publisher_due_ = std::max(publisher_due_, time_ + microseconds(20));
 }
 
-// Host and tablet operator ---------------------------------------------------------------------------------------------
-
-void Lab::start_host() {
-  HostSettings& settings = host_settings_;
-  settings.series.shots = std::max(1, settings_.shots - good_);  // a restarted host wants at least one shot
-  ++counts_.hosts;
-  const std::int64_t host_id = random_.id();
-  trace("host {:x} starts", host_id);
-  const auto send = [this](std::span<const std::uint8_t> sealed) {
-    std::vector<std::uint8_t> bytes(sealed.begin(), sealed.end());
-    trace_command(bytes);
-    bus_.send(Receiver::firmware, messages::channel_name(files_.host.rig, messages::Channel::command), bytes,
-              time_);
-    old_commands_.push_back(std::move(bytes));
-    if (old_commands_.size() > kOldCommands) old_commands_.pop_front();
-  };
-  host_ = std::make_unique<VirtualHost>(
-      settings, host_id, lab_key_, host_log_, send,
-      [this](const host::ShotResult& shot_result) { on_shot_result(shot_result); }, host_now());
-  host_due_ = time_;
-}
-
-void Lab::host_turn() {
-  host_due_ = time_ + kHostTurn;
-  host_->step(host_now());
-  for (const std::string& text : host_->take_notifications()) trace("host: {}", text);
-  if (!host_->firing() && !hazards_stopped_) {
-    if (!host_->series().succeeded()) ++counts_.unfinished;
-    stop_hazards();
-  }
-  if (!host_->fault().empty()) {
-    checker_.violate("the host threw on a message: " + host_->fault());
-    finished_ = true;
-  }
-  if (host_->ended()) finished_ = true;
-}
+// Commands, tablet operator and results ----------------------------------------------------------------------
 
 void Lab::trace_command(const std::vector<std::uint8_t>& sealed) {
   if (settings_.trace == nullptr) return;
@@ -289,56 +264,12 @@ std::vector<std::uint8_t> Lab::body_of(const std::vector<std::uint8_t>& sealed) 
   return body ? std::vector<std::uint8_t>(body->begin(), body->end()) : std::vector<std::uint8_t>();
 }
 
-void Lab::deliver() {
-  const VirtualBus::Delivery delivery = bus_.take();
-  const auto& bytes = delivery.packet->bytes;
-  switch (delivery.to) {
-    case Receiver::firmware:
-      if (dead_) break;
-      checker_.at_firmware(body_of(bytes), time_);
-      firmware_->receive(bytes);
-      break;
-    case Receiver::host:
-      if (!host_) break;
-      checker_.at_host(delivery.packet->channel, bytes);
-      host_->receive(delivery.packet->channel, bytes, host_now());
-      host_due_ = std::min(host_due_, time_ + kHostBatch);
-      break;
-    case Receiver::tablet: {
-      strobe_msgs::shot_t shot;
-      if (shot.decode(bytes.data(), 0, static_cast<int>(bytes.size())) >= 0)
-        tablet_operator_.announce({shot.boot_id, shot.shot_id}, from_ns(shot.start_ns), time_);
-      break;
-    }
-  }
-  bus_.done(delivery);
-}
-
 void Lab::tablet_operator_turn() {
   const std::vector<std::uint8_t> frame = tablet_operator_.take(time_);
   if (frame.empty()) return;
   trace("frame sent");
   const std::string channel = messages::channel_name(files_.host.rig, messages::Channel::frame);
   send_to_host(channel, tablet_.packet(channel, authentication::Bytes(frame)));
-}
-
-void Lab::send_to_host(const std::string& channel, std::span<const std::uint8_t> packet) {
-  bus_.send(Receiver::host, channel, packet, time_);
-  const auto send = [this](const Stranger::Packet& sent) {
-    ++counts_.strangers;
-    strangers_bus_.send(Receiver::host, sent.channel, sent.bytes, time_);
-  };
-  const FaultPlan& faults = settings_.faults;
-  if (faults.strangers > 0.0 && stranger_.random().chance(faults.strangers))
-    send(stranger_.forge(channel, packet));
-  if (faults.played_back > 0.0 && stranger_.random().chance(faults.played_back))
-    send(stranger_.of_yesterday(channel, packet));
-}
-
-void Lab::deliver_strangers() {
-  const VirtualBus::Delivery delivery = strangers_bus_.take();
-  if (host_) host_->receive(delivery.packet->channel, delivery.packet->bytes, host_now());
-  strangers_bus_.done(delivery);
 }
 
 void Lab::note_shot(std::span<const std::uint8_t> bytes) {
@@ -355,7 +286,7 @@ void Lab::note_shot(std::span<const std::uint8_t> bytes) {
 
 void Lab::on_shot_result(const host::ShotResult& shot_result) {
   if (shot_result.boot_id == stranger_.old_boot()) return;  // shown, and nobody's of this day
-  if (shot_result.host_id == host_->id() && !shot_result.rejected) ++good_;
+  if (shot_result.host_id == host_.process->id() && !shot_result.rejected) ++good_;
   const ShotKey key{shot_result.boot_id, shot_result.shot_id};
   const auto shot = shots_.find(key);
   const sim::Exposure* taken =
@@ -365,7 +296,7 @@ void Lab::on_shot_result(const host::ShotResult& shot_result) {
     truth.value = sim::true_readout(rig_.scene(), taken->ball->path);
   truth.images_ambiguous = taken != nullptr && images_are_ambiguous(lab_setup_.scene, *taken);
   const reduction::Readout& readout = shot_result.readout;
-  checker_.readout(host_->id(), key, readout, truth, shot_result.dry);
+  checker_.readout(host_.process->id(), key, readout, truth, shot_result.dry);
   const bool numbers = has_numbers(readout);
   ++(numbers ? (shot_result.rejected ? counts_.flagged : counts_.good) : counts_.withheld);
   std::string flags;
@@ -441,7 +372,10 @@ SoakCounts Lab::run() {
   trace_lab_setup();
   boot();
   bool started = false;
-  in(Duration{}, Action::host_start);
+  // Not before the firmware's first word on key and e-stop: it says that they are in the way until it has read them.
+  command_due_ = true;
+  in(milliseconds(100), Action::give_command);
+  if (settings_.faults[Hazard::page_disarm] > 0.0) start_watcher();
   in(Duration{}, Action::draw_hazards);
   while (!over()) {
     if (!firmware_) {
@@ -466,6 +400,12 @@ SoakCounts Lab::run() {
   counts_.events_journalled = checker_.events_journalled();
   counts_.events_missing = checker_.events_missing();
   counts_.events_never_received = checker_.events_never_received();
+  const InvariantChecker::Stops& stops = checker_.stops();
+  counts_.stops_reached = stops.reached;
+  counts_.stops_asked = stops.asked;
+  counts_.stops_confirmed = stops.confirmed;
+  counts_.stops_told_missing = stops.danger_shown;
+  counts_.stopped_triggers = stops.triggers;
   counts_.violations = static_cast<std::int64_t>(checker_.violations().size());
   counts_.packets = bus_.counts().sent;
   counts_.packets_lost = bus_.counts().lost;

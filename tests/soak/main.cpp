@@ -151,7 +151,7 @@ int main(int argc, char** argv) {
   app.add_option("--from", options.from, "skip this many shots first (default 0)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000'000}));
   app.add_option("--seed", options.seed, "of everything that is drawn (default 1)");
-  app.add_option("--faults", options.faults, "none, mild, wild (default) or a file of probabilities");
+  app.add_option("--faults", options.faults, "none, mild, wild (default), stops or a file of probabilities");
   app.add_option("--plan", options.plan, "shipped, brief, gated, coded, mixed (default) or extremes");
   app.add_option("--rig", options.rig, "rig file (default: the shipped one)");
   app.add_option("--jobs", options.jobs, "processes (default 1); the result does not depend on them")

@@ -5,27 +5,33 @@
 namespace strobe::soak {
 
 VirtualHost::VirtualHost(const HostSettings& settings, std::int64_t host_id, const authentication::Key& key,
-                         HostLog& log, Send send, Done done, HostTime now)
+                         HostLog& log, Send send, Done done, const host::HostReading& now)
     : log_(log),
       send_(std::move(send)),
       done_(std::move(done)),
       now_(now),
       command_channel_(messages::channel_name(settings.rig, messages::Channel::command)),
-      loop_({settings.rig, settings.assembly, host_id, true, key}, *this, *this),
-      runner_(loop_, settings.series) {
+      loop_({settings.rig, settings.assembly, host_id, settings.series.has_value(), key}, *this, *this) {
+  if (settings.series) runner_.emplace(loop_, *settings.series);
   loop_.add_listener(*this);
   for (const auto& [boot_id, sequence] : log_) loop_.session().ledger().add(boot_id, sequence, HostTime{});
 }
 
-void VirtualHost::receive(const std::string& channel, Bytes bytes, HostTime now) {
+void VirtualHost::receive(const std::string& channel, Bytes bytes, const host::HostReading& now) {
   now_ = now;
   loop_.receive(channel, bytes);
 }
 
-void VirtualHost::step(HostTime now) {
+void VirtualHost::step(const host::HostReading& now) {
   now_ = now;
   loop_.step();
-  runner_.step();
+  if (runner_) runner_->step();
+}
+
+bool VirtualHost::interrupt() {
+  if (!runner_->firing() || !runner_->series().shot_under_way()) return runner_->stop("the operator");
+  runner_->end_after_shot("interrupted");
+  return false;
 }
 
 void VirtualHost::publish(const std::string& channel, Bytes bytes) {

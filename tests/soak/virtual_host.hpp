@@ -1,9 +1,11 @@
-// The host that fires a series, as `strobe fire` is: the shipped host loop on the soak's bus and virtual clock.
+// The host that fires a series, as `strobe fire` is, or one that watches, as `strobe live` is: the shipped host loop on
+// the soak's bus and virtual clock.
 // One object for each life of the process. Single-threaded; allocates.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,7 +17,7 @@ namespace strobe::soak {
 struct HostSettings {
   std::string rig;
   host::AssemblySettings assembly;
-  host::ShotSeriesSettings series;
+  std::optional<host::ShotSeriesSettings> series;  ///< absent: it only watches
 };
 
 /// The session folder's log of a host, of which events are known when another host starts there.
@@ -27,16 +29,26 @@ class VirtualHost final : host::Transport, host::Clock, host::HostListener {
   using Done = std::function<void(const host::ShotResult&)>;
 
   VirtualHost(const HostSettings& settings, std::int64_t host_id, const authentication::Key& key,
-              HostLog& log, Send send, Done done, HostTime now);
+              HostLog& log, Send send, Done done, const host::HostReading& now);
 
-  void receive(const std::string& channel, Bytes bytes, HostTime now);
+  void receive(const std::string& channel, Bytes bytes, const host::HostReading& now);
   /// What is due: every 20 ms at the latest, and after messages.
-  void step(HostTime now);
+  void step(const host::HostReading& now);
+
+  /// As `strobe fire` heeds Ctrl-C: the shot under way first. Returns whether the rig is to be disarmed.
+  bool interrupt();
+  /// As it heeds Ctrl-\.
+  void stop_at_once() { runner_->stop_at_once("the operator"); }
+  void disarm(const std::string& by) { loop_.disarm(by); }
+  /// A DISARM has been asked for and is not confirmed.
+  bool disarming() const { return loop_.disarming(); }
+  /// What a person is warned of; empty: of nothing.
+  const std::string& danger() const { return loop_.session().danger(); }
 
   /// The series is over, and what was lost on the way has been fetched or given up.
-  bool ended() const { return runner_.finished(); }
-  bool firing() const { return !runner_.series().finished(); }
-  const host::ShotSeries& series() const { return runner_.series(); }
+  bool ended() const { return runner_->finished(); }
+  bool firing() const { return !runner_->series().finished(); }
+  const host::ShotSeries& series() const { return runner_->series(); }
   std::int64_t id() const { return loop_.settings().host_id; }
   /// What an exception on a message said; empty: there was none.
   const std::string& fault() const { return loop_.fault(); }
@@ -46,9 +58,7 @@ class VirtualHost final : host::Transport, host::Clock, host::HostListener {
   // Ports of the loop
   bool receive(std::chrono::milliseconds, std::span<const int>, const Receiver&) override { return true; }
   void publish(const std::string& channel, Bytes bytes) override;
-  host::HostReading read() override {
-    return {now_, WallTime{now_.time_since_epoch()}, now_.time_since_epoch()};
-  }
+  host::HostReading read() override { return now_; }
 
   void on_shot_result(const host::ShotResult& result) override { done_(result); }
   void on_event(const strobe_msgs::event_t& event) override;
@@ -57,10 +67,10 @@ class VirtualHost final : host::Transport, host::Clock, host::HostListener {
   HostLog& log_;
   Send send_;
   Done done_;
-  HostTime now_;
+  host::HostReading now_;
   std::string command_channel_;
   host::HostLoop loop_;
-  host::SeriesRunner runner_;
+  std::optional<host::SeriesRunner> runner_;
   std::vector<std::string> notifications_;
 };
 
