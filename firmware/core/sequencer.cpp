@@ -132,12 +132,13 @@ void Sequencer::arm(const Command& command) noexcept {
   report(EventKind::armed, host_of(command));
 }
 
+/// Each is confirmed by an event of its own, also where nothing was armed: from now on nothing is, until a person acts.
 void Sequencer::disarm(const Command& command) noexcept {
-  const bool news = interlock_.stop_text()[0] == '\0';
   const Interlock::Effect effect = interlock_.disarm(clock_.now());
-  if (effect.kind == Interlock::Effect::Kind::abort) return apply(effect);
-  // Also where nothing was armed: from now on nothing is, until a person acts.
-  if (news) report(EventKind::disarmed, ShortText("disarmed by command of ").append(host_of(command).view()));
+  if (effect.kind == Interlock::Effect::Kind::abort) apply(effect);
+  ShortText words("disarmed by command ");
+  report(EventKind::disarmed,
+         words.append(command.command_id).append(" of ").append(host_of(command).view()));
 }
 
 void Sequencer::reset(const Command& command) noexcept {

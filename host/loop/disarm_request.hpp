@@ -1,11 +1,11 @@
-// A DISARM that somebody has asked for: sent again and again until the firmware is heard to be stopped, which a state says
-// that no later command undoes without a person's act (status_t::STOPPED). Decides only; the host loop sends.
-// Single-threaded; no I/O.
+// A DISARM that somebody has asked for: sent again and again until the firmware says that it has obeyed one of them. Only
+// that event tells: a rig that is stopped may have been so before, by a stop that somebody is about to reset. Decides only;
+// the host loop sends. Single-threaded; no I/O.
 #pragma once
 
 #include <optional>
 #include <string>
-#include <strobe_msgs/status_t.hpp>
+#include <strobe_msgs/event_t.hpp>
 
 #include "common/units/time.hpp"
 
@@ -17,13 +17,16 @@ class DisarmRequest {
   /// Not confirmed for so long it is told as a danger.
   static constexpr Duration kConfirmWithin = milliseconds{500};
 
-  /// boot_id, boot_time_ns: of the firmware that is addressed, and its CLOCK_BOOTTIME now or a little earlier; 0: none was
-  /// ever heard.
-  void begin(HostTime now, std::int64_t boot_id, std::int64_t boot_time_ns);
+  /// host_id: this host's.
+  explicit DisarmRequest(std::int64_t host_id) : host_id_(host_id) {}
+
+  /// What was sent before it confirms nothing any more.
+  void begin(HostTime now);
   /// Whether a DISARM is to be sent now; counts as sent.
   bool due(HostTime now);
-  /// Returns true if this status is the confirmation.
-  bool on_status(const strobe_msgs::status_t& status);
+  void on_sent(std::int64_t command_id);
+  /// Returns true if this is the confirmation: of a firmware of boot_id, the one that is addressed.
+  bool on_event(const strobe_msgs::event_t& event, std::int64_t boot_id);
 
   /// Asked for, and not confirmed.
   bool open() const { return asked_.has_value(); }
@@ -31,9 +34,10 @@ class DisarmRequest {
   std::string not_confirmed(HostTime now) const;
 
  private:
+  std::int64_t host_id_;
   std::optional<HostTime> asked_;
   HostTime sent_;
-  std::int64_t boot_id_ = 0, boot_time_ns_ = 0;
+  std::int64_t first_command_ = 0;  ///< 0: none was sent
 };
 
 }  // namespace strobe::host

@@ -32,6 +32,7 @@ HostLoop::HostLoop(HostLoopSettings settings, Transport& transport, Clock& clock
       session_(settings_.assembly, settings_.fires ? settings_.host_id : 0,
                settings_.key.has_value() && !settings_.replays),
       decoder_(settings_.rig, *this),
+      disarm_(settings_.host_id),
       now_(clock.read().mono),
       last_message_(now_) {
   const HostReading begin = clock.read();
@@ -98,16 +99,16 @@ void HostLoop::on_status(const strobe_msgs::status_t& message) {
   answers_.on_status(message);
   if (session_.status() && session_.status()->boot_time_ns == message.boot_time_ns)
     last_status_ = clock_.read();
-  const bool answers_disarm = session_.status() && message.boot_id == session_.status()->boot_id;
-  if (answers_disarm && disarm_.on_status(message)) {
-    session_.set_unconfirmed("");
-    notify(
-        "disarmed: the firmware confirms it; nothing is armed until a person gives the command to fire anew");
-  }
   report();
 }
 
 void HostLoop::on_event(const strobe_msgs::event_t& message) {
+  const auto& status = session_.status();
+  if (status && disarm_.on_event(message, status->boot_id)) {
+    session_.set_unconfirmed("");
+    notify(
+        "disarmed: the firmware confirms it; nothing is armed until a person gives the command to fire anew");
+  }
   session_.on_event(message, now_);
   answers_.on_event(message);
   for (HostListener* listener : listeners_) listener->on_event(message);
@@ -194,11 +195,9 @@ std::int64_t HostLoop::acted_boot_time_ns(std::int64_t boot_id) const {
 }
 
 void HostLoop::disarm(const std::string& by) {
-  const auto& status = session_.status();
   if (!sealer_) return notify("cannot be disarmed, as " + by + " asks, without the lab's key");
   notify("DISARM asked for by " + by);
-  const std::int64_t boot_id = status ? status->boot_id : 0;
-  disarm_.begin(now_, boot_id, firmware_boot_time_ns(boot_id));
+  disarm_.begin(now_);
   repeat_disarm();
 }
 
@@ -207,7 +206,11 @@ void HostLoop::repeat_disarm() {
   if (disarm_.due(now_)) {
     std::vector<std::int64_t> boots = session_.boots().heard(now_);  // two rigs of one name, if there are
     if (status && !std::ranges::count(boots, status->boot_id)) boots.push_back(status->boot_id);
-    for (const std::int64_t boot_id : boots) send(commands_.disarm(boot_id));
+    for (const std::int64_t boot_id : boots) {
+      const strobe_msgs::command_t command = commands_.disarm(boot_id);
+      disarm_.on_sent(command.command_id);
+      send(command);
+    }
   }
   if (!disarm_.open()) return;
   const std::string words = disarm_.not_confirmed(now_);

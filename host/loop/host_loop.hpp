@@ -151,6 +151,7 @@ class HostLoop final : private MessageHandler {
   std::string told_unanswered_;
   std::unique_ptr<PhotographPipeline> photographs_;
   MessageDecoder decoder_;
+  DisarmRequest disarm_;
   int wake_descriptor_ = -1;
   std::vector<HostListener*> listeners_;
   std::set<ShotKey> read_out_;
@@ -159,7 +160,6 @@ class HostLoop final : private MessageHandler {
   HostTime last_message_;
   HostReading last_status_;  ///< when the session's status came
   Duration acted_{};         ///< HostReading::since_boot
-  DisarmRequest disarm_;
   Duration slept_before_{};
   bool suspended_ = false;
 };

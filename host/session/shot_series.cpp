@@ -15,6 +15,8 @@ constexpr Duration kSendAgain = milliseconds{300};
 // After a token is gone without a sign of the shot: its events and status may still be on their way.
 constexpr Duration kSignOfShot = milliseconds{1500};
 constexpr int kMaxRefusals = 3;
+/// From the command to the first that is heard of the firmware that it is for.
+constexpr Duration kBeginWithin = std::chrono::seconds{10};
 /// The firmware's word for it (firmware/core/interlock.cpp).
 constexpr std::string_view kDisarmedByCommand = "disarmed by command";
 constexpr std::string_view kSuspended = "the machine was suspended";
@@ -103,6 +105,10 @@ void ShotSeries::begin(const status_t& status, HostTime now) {
   if (const char* const words = switch_in_the_way(status))
     return give_up(fmt::format("{}: {}, then give the command again", words,
                                status.estop_active ? "release it" : "turn it on"));
+  // An e-stop may have been pressed and released before the firmware that is heard now was there to see it.
+  if (now - began_ > kBeginWithin)
+    return give_up(fmt::format("the firmware was heard only {:.0f} s after the command: give it again",
+                               to_seconds(now - began_)));
   if (status.state == status_t::STOPPED) {
     blocking_reason_ = "the rig was stopped: resetting";
     if (now - sent_ < kSendAgain) return;
@@ -126,7 +132,7 @@ void ShotSeries::step(const std::optional<status_t>& status, HostTime now) {
   now_ = now;
   if (state_ == State::waiting && succeeded()) state_ = State::finished;
   if (state_ == State::finished) return;
-  if (!blocked_since_) blocked_since_ = now;
+  if (!blocked_since_) blocked_since_ = began_ = now;
   if (status && begun_boot_ == 0) begin(*status, now);
   if (status) check_stop(*status);
   if (state_ == State::finished) return;
@@ -181,10 +187,7 @@ void ShotSeries::wait_for_readiness(const status_t& status, HostTime now) {
 void ShotSeries::arm(const status_t& status, HostTime now) {
   blocking_reason_ = unanswered_;
   if (ours(status)) {
-    if (!second_rig_.empty()) {
-      give_back(status);
-      return enter(State::waiting, now);
-    }
+    if (!second_rig_.empty()) return end_after_shot(second_rig_);
     refusal_.clear();
     blocking_reason_.clear();
     admitted_ = true;

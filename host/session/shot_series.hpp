@@ -114,6 +114,7 @@ class ShotSeries {
   HostTime entered_;
   HostTime sent_;
   std::optional<HostTime> blocked_since_;
+  HostTime began_;                ///< its first step
   std::int64_t begun_boot_ = 0;   ///< the firmware that the series began with; 0: it has not begun
   std::int64_t begun_after_ = 0;  ///< its newest event then
   bool admitted_ = false;         ///< it has given a token

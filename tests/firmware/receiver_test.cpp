@@ -188,7 +188,7 @@ TEST(Receiver, IgnoresABodyThatIsNoCommand) {
   Bytes bytes = body();
   bytes.pop_back();
   expect_rejected(Rejection::malformed, authentication::seal(key, rig.name, bytes).value());
-  message.kind = Type::CLEAR + 1;
+  message.kind = Type::RESET + 1;
   expect_rejected(Rejection::malformed, sealed());
 }
 

@@ -143,13 +143,25 @@ TEST(ShotSeriesOfAHost, ArmsNothingWhileAnotherRigHasTheName) {
   CHECK_TRUE(play.series.succeeded());
 }
 
-TEST(ShotSeriesOfAHost, GivesTheArmingBackWhereAnotherRigIsHeardBeforeItsShot) {
+TEST(ShotSeriesOfAHost, EndsAndWantsADisarmWhereAnotherRigIsHeardBeforeItsShot) {
   Play play(series(1));
   while (play.firmware.status.state != status_t::ARMED) play.turn();
   play.series.on_second_rig("2 rigs have the name");
   play.run(100);
   LONGS_EQUAL(0, play.firmware.fired);
-  LONGS_EQUAL(1, play.firmware.disarmed);
+  CHECK_TRUE(play.series.finished());
+  CHECK_TRUE(play.series.take_disarm());
+}
+
+TEST(ShotSeriesOfAHost, BeginsOnNoFirmwareThatIsHeardOnlyLongAfterTheCommand) {
+  for (const auto& [turns, begins] : {std::pair{490, true}, std::pair{510, false}}) {  // of 20 ms
+    Play play(series(1));
+    play.heard = false;
+    play.run(turns);
+    play.heard = true;
+    play.run(1000);
+    CHECK_EQUAL(begins, play.series.succeeded());
+  }
 }
 
 TEST(ShotSeriesOfAHost, SaysThatTheRigDoesNotAnswerAndGivesUp) {
