@@ -11,7 +11,7 @@ constexpr std::size_t kMaxBoots = 8;
 // One that has ended is no reason to wait for longer than it takes to miss three heartbeats.
 constexpr Duration kUnprovenHeard = milliseconds{1600};
 constexpr Duration kAskEvery = milliseconds{700};
-constexpr Duration kAskSilentEvery = std::chrono::seconds{5};
+constexpr Duration kAskAgainEvery = std::chrono::seconds{5};
 constexpr std::size_t kQuestions = 4;
 // One could be an event that somebody else had asked for.
 constexpr int kAnswers = 2;
@@ -27,7 +27,7 @@ std::uint64_t mixed(std::uint64_t x) {
 }  // namespace
 
 LiveBoots::Verdict LiveBoots::Boot::verdict() const {
-  if (std::ranges::count(answers, true) >= kAnswers) return Verdict::rig;
+  if (proven) return Verdict::rig;
   return answers.size() < kQuestions ? Verdict::open : Verdict::silent;
 }
 
@@ -70,11 +70,15 @@ std::vector<std::int64_t> LiveBoots::heard(HostTime now) const {
   return found;
 }
 
-/// One of all events that it has.
+/// One of all events that it has, and none that another is asked for: a log that is recorded and played back at once
+/// would have that one.
 std::int64_t LiveBoots::draw(const Boots::value_type& boot, HostTime now) {
-  const auto known = static_cast<std::uint64_t>(std::max<std::int64_t>(1, boot.second.status.last_sequence));
+  const auto known = std::max<std::int64_t>(1, boot.second.status.last_sequence);
   const auto seed = static_cast<std::uint64_t>(boot.first ^ now.time_since_epoch().count());
-  return 1 + static_cast<std::int64_t>(mixed(seed + ++drawn_) % known);
+  auto drawn = 1 + static_cast<std::int64_t>(mixed(seed + ++drawn_) % static_cast<std::uint64_t>(known));
+  const auto taken = [&drawn](const auto& other) { return other.second.asked == drawn; };
+  for (std::size_t i = 0; i < kMaxBoots && std::ranges::any_of(boots_, taken); ++i) drawn = drawn % known + 1;
+  return drawn;
 }
 
 std::vector<EventRange> LiveBoots::due(HostTime now) {
@@ -84,8 +88,8 @@ std::vector<EventRange> LiveBoots::due(HostTime now) {
   if (present.size() < 2) return questions;
   for (const std::int64_t boot_id : present) {
     Boot& boot = boots_.at(boot_id);
-    const Duration every = boot.verdict() == Verdict::silent ? kAskSilentEvery : kAskEvery;
-    if (boot.verdict() == Verdict::rig || (boot.asked_at && now - *boot.asked_at < every)) continue;
+    const Duration every = boot.verdict() == Verdict::open ? kAskEvery : kAskAgainEvery;
+    if (boot.asked_at && now - *boot.asked_at < every) continue;
     if (boot.asked != 0) note(boot_id, boot, false);
     boot.asked = draw({boot_id, boot}, now);
     boot.asked_at = now;
@@ -104,6 +108,8 @@ void LiveBoots::note(std::int64_t boot_id, Boot& boot, bool answered) {
   boot.asked = 0;
   boot.answers.push_back(answered);
   if (boot.answers.size() > kQuestions) boot.answers.erase(boot.answers.begin());
+  const auto answers = std::ranges::count(boot.answers, true);
+  boot.proven = answers >= kAnswers || (boot.proven && answers > 0);
   if (boot.verdict() != Verdict::silent || boot.told) return;
   boot.told = true;
   notifications_.push_back("heartbeats of " + words(boot_id, boot) +

@@ -56,6 +56,7 @@ class LiveBoots {
     std::int64_t asked = 0;  ///< the event; 0: nothing is being asked
     std::optional<HostTime> asked_at;
     std::vector<bool> answers;  ///< to the newest questions
+    bool proven = false;        ///< until it leaves all of these unanswered
     bool told = false;
     Verdict verdict() const;
   };

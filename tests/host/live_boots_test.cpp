@@ -15,11 +15,12 @@ TEST_GROUP(LiveBoots) {
   HostTime now{std::chrono::seconds{50}};
 
   void setup() override { boots.set_rig("bench"); }
-  void beat(std::int64_t boot_id, std::int64_t mono_ns, std::vector<std::int64_t> earlier = {}) {
+  void beat(std::int64_t boot_id, std::int64_t mono_ns, std::vector<std::int64_t> earlier = {},
+            std::int64_t events = 1000) {
     strobe_msgs::status_t status{};
     status.boot_id = boot_id;
     status.mono_ns = mono_ns;
-    status.last_sequence = 1000;
+    status.last_sequence = events;
     for (const std::int64_t boot : earlier) status.earlier.push_back({boot, 10});
     boots.on_status(status, boot_id == 0xa ? "10.0.0.1" : "10.0.0.2", now);
   }
@@ -58,7 +59,7 @@ TEST(LiveBoots, TwoThatAnswerAreToldByNameBootAndAddressAndNothingIsArmed) {
   const auto told = boots.take_notifications();
   LONGS_EQUAL(1, told.size());
   CHECK_EQUAL(problem(), told[0]);
-  LONGS_EQUAL(4, asked_);  // twice each: then it is known
+  LONGS_EQUAL(4, asked_);  // twice each: then it is known, and asked every 5 s
 }
 
 TEST(LiveBoots, ASecondOneCountsFromItsFirstHeartbeatUntilItIsKnownWhatItIs) {
@@ -111,6 +112,24 @@ TEST(LiveBoots, OneThatTheOtherListsAsEarlierIsNoRig) {
   beat(0xb);
   CHECK_EQUAL("", problem());
   CHECK((boots.heard(now) == std::vector<std::int64_t>{0xa}));
+}
+
+TEST(LiveBoots, NoTwoAreAskedForTheSameEventAtOnce) {
+  run(2.0, {0xa}, {0xa});
+  for (int i = 0; i < 200; ++i) {
+    now += milliseconds{500};
+    beat(0xa, to_ns(now), {}, 2);
+    beat(0xb, to_ns(now), {}, 2);
+    const auto asked = boots.due(now);
+    if (asked.size() == 2) CHECK(asked[0].sequences.first != asked[1].sequences.first);
+  }
+}
+
+TEST(LiveBoots, OneThatAnswersNoMoreCountsNoMore) {
+  run(5.0, {0xa, 0xb}, {0xa, 0xb});
+  STRCMP_CONTAINS("2 rigs have the name", problem().c_str());
+  run(26.0, {0xa, 0xb}, {0xa});
+  CHECK_EQUAL("", problem());
 }
 
 TEST(LiveBoots, AnEventThatNobodyAskedForIsNoAnswer) {
