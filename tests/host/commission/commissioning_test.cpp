@@ -159,7 +159,7 @@ TEST_GROUP(Commissioning) {
   /// Arms and fires as a firmware does, up to the shot's start.
   void give_token() {
     tell_status();
-    turn(2);
+    turn(60);  // another rig of the name would be heard by now
     LONGS_EQUAL(+command_t::ARM, last_command().kind);
     status.state = status_t::ARMED;
     status.arm_host_id = kHost;
