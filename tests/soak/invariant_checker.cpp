@@ -101,32 +101,37 @@ void InvariantChecker::check_trigger(MonoTime at) {
     violate(fmt::format("trigger at {} with the key off or the e-stop pressed since {}", to_ns(at),
                         to_ns(unsafe_since_)));
   }
+  // Of several that were fired it is the one that may: the firmware has refused the others.
+  Token* fired = nullptr;
+  std::string objection;
   for (auto& [id, token] : tokens_) {
     if (token.boot_id != boot_id_ || !known(token.fired) || token.dry || token.spent) continue;
     if (at < token.fired || at - token.fired > kFireToTrigger + excused(token.fired, at)) continue;
-    token.spent = true;
-    return check_act(token, at);
+    if (fired != nullptr && objection.empty()) break;
+    fired = &token;
+    objection = objection_to(token, at);
   }
-  violate(fmt::format("trigger at {} without a fresh token", to_ns(at)));
+  if (fired == nullptr) return violate(fmt::format("trigger at {} without a fresh token", to_ns(at)));
+  fired->spent = true;
+  if (objection.empty()) return;
+  ++stops_.triggers;
+  violate(fmt::format("trigger at {} by host {:x} {}", to_ns(at), fired->host_id, objection));
 }
 
-/// Whether a person wanted it after the last stop.
-void InvariantChecker::check_act(const Token& token, MonoTime at) {
+/// Why no person wanted it after the last stop; empty: one did.
+std::string InvariantChecker::objection_to(const Token& token, MonoTime at) const {
   const auto act = acted_.find(token.host_id);
   const MonoTime acted = act == acted_.end() ? kNoTime : act->second;
   const auto acted_since = [acted](MonoTime stop) { return known(acted) && acted > stop; };
-  const auto violate_act = [&](std::string_view what) {
-    ++stops_.triggers;
-    violate(fmt::format("trigger at {} by host {:x} {}", to_ns(at), token.host_id, what));
-  };
   const auto slept = host_slept_.find(token.host_id);
   if (slept != host_slept_.end() && token.fired >= slept->second && !acted_since(slept->second))
-    return violate_act("after its sleep, without a person's act");
-  if (!known(last_stop_) || at - last_stop_ <= kMakesSafe + excused(last_stop_, at)) return;
+    return "after its sleep, without a person's act";
+  if (!known(last_stop_) || at - last_stop_ <= kMakesSafe + excused(last_stop_, at)) return "";
   if (!acted_since(last_stop_))
-    return violate_act(fmt::format("without a person's act since the stop at {}", to_ns(last_stop_)));
+    return fmt::format("without a person's act since the stop at {}", to_ns(last_stop_));
   if (stopped_in_boot_ && (!known(reset_) || at - reset_ < kRestartDelay))
-    violate_act("sooner than the restart delay after a reset");
+    return "sooner than the restart delay after a reset";
+  return "";
 }
 
 /// Has reached the rig.

@@ -114,7 +114,7 @@ class InvariantChecker {
   };
 
   void check_trigger(MonoTime at);
-  void check_act(const Token& token, MonoTime at);
+  std::string objection_to(const Token& token, MonoTime at) const;
   void stop(MonoTime at);
   void note_command(std::int64_t host_id, std::int8_t kind, MonoTime at);
   void check_lamps(strobe::Lamps lamps, MonoTime at);

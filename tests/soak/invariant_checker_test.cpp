@@ -33,7 +33,9 @@ std::vector<std::uint8_t> encoded(const Message& message) {
 
 std::vector<std::uint8_t> command(std::int8_t kind, std::int64_t token = 0, std::int64_t host = kHost,
                                   std::int64_t boot = kBoot) {
+  static std::int64_t commands = 0;
   command_t message{};
+  message.command_id = ++commands;
   message.schema_version = command_t::SCHEMA_VERSION;
   message.boot_id = boot;
   message.host_id = host;
@@ -73,6 +75,15 @@ TEST_GROUP(InvariantChecker) {
     pass(width);
     checker->output(output, false, now);
   }
+  /// A shot that a person wants, after everything before.
+  void act(std::int64_t host = kHost) { checker->acted(host, now); }
+  void send(std::int8_t kind, std::int64_t host = kHost) {
+    pass(milliseconds(1));
+    checker->at_firmware(command(kind, 0, host), now);
+  }
+  void reset(std::int64_t host = kHost) { send(command_t::RESET, host); }
+  void shoot() { arm(), fire(), trigger(); }
+  HostTime shown(Duration after) const { return HostTime{} + after; }
   void trigger() { pulse(Output::trigger, milliseconds(20)); }
   void journalled(firmware::Journal & journal, std::int64_t sequence) {
     CHECK_TRUE(
@@ -122,6 +133,104 @@ TEST(InvariantChecker, HearsOfATriggerWithTheKeyOff) {
   pass(microseconds(3));
   checker->output(Output::trigger, true, now);
   expect("with the key off");
+}
+
+TEST(InvariantChecker, HearsOfATriggerAfterAStopOfAnyKindWithoutAnAct) {
+  const std::function<void()> stops[] = {
+      [this] { checker->key(false, now), checker->key(true, now); },
+      [this] { checker->estop(true, now), checker->estop(false, now); },
+      [this] { send(command_t::DISARM, kHost + 1); },
+      [this] { checker->suspended(now); },
+      [this] { checker->stop_asked(kHost + 1, shown({}), now), checker->confirmation_shown(kHost + 1); },
+  };
+  for (const auto& stop : stops) {
+    setup();
+    act();
+    pass(milliseconds(1));
+    stop();
+    reset();
+    pass(milliseconds(2'000));
+    shoot();
+    expect("without a person's act since the stop");
+    LONGS_EQUAL(1, checker->stops().triggers);
+  }
+}
+
+TEST(InvariantChecker, AcceptsAShotThatAPersonWantsAfterAStop) {
+  send(command_t::DISARM);
+  pass(milliseconds(1));
+  act();
+  reset();
+  pass(milliseconds(2'000));
+  shoot();
+  expect_none();
+}
+
+TEST(InvariantChecker, HearsOfATriggerThatFollowsAResetTooSoonOrNone) {
+  for (const bool is_reset : {true, false}) {
+    setup();
+    checker->suspended(now);
+    pass(milliseconds(1));
+    act();
+    if (is_reset) reset();
+    pass(milliseconds(1'900));
+    shoot();
+    expect("sooner than the restart delay");
+  }
+}
+
+TEST(InvariantChecker, AsksForAnActAtTheHostThatFires) {
+  checker->suspended(now);
+  pass(milliseconds(1));
+  act(kHost + 1);
+  reset(kHost + 1);
+  pass(milliseconds(2'000));
+  shoot();
+  expect("without a person's act");
+}
+
+TEST(InvariantChecker, HearsOfAShotThatAHostFiresAfterItsSleep) {
+  act();
+  checker->host_sleeps(kHost, now + milliseconds(2'000));
+  pass(milliseconds(2'000));
+  shoot();
+  expect("after its sleep");
+}
+
+TEST(InvariantChecker, DoesNotTakeADisarmThatWasSentAgainForAStop) {
+  const auto old = command(command_t::DISARM);
+  checker->at_firmware(old, now);
+  pass(milliseconds(1));
+  act();
+  reset();
+  pass(milliseconds(2'000));
+  checker->at_firmware(old, now);
+  shoot();
+  expect_none();
+  LONGS_EQUAL(0, checker->stops().reached);
+}
+
+TEST(InvariantChecker, HearsOfAStopThatIsNeitherConfirmedNorShownAsADangerWithinASecond) {
+  checker->stop_asked(kHost, shown({}), now);
+  checker->shows(kHost, false, shown(milliseconds(1'000)));
+  expect_none();
+  checker->shows(kHost, false, shown(milliseconds(1'001)));
+  expect("neither confirmed nor shown as a danger");
+}
+
+TEST(InvariantChecker, IsContentWithAStopThatIsConfirmedOrShownAsADangerOrWhoseHostIsGone) {
+  const std::function<void()> ends[] = {
+      [this] { checker->confirmation_shown(kHost); },
+      [this] { checker->shows(kHost, true, shown(milliseconds(900))); },
+      [this] { checker->host_gone(kHost); },
+  };
+  for (const auto& end : ends) {
+    setup();
+    checker->stop_asked(kHost, shown({}), now);
+    end();
+    checker->shows(kHost, false, shown(milliseconds(3'000)));
+    expect_none();
+  }
 }
 
 TEST(InvariantChecker, HearsOfAnOutputThatOutlastsTheEStop) {

@@ -61,6 +61,21 @@ TEST(VirtualLab, HoldsWhatMustHoldThroughEveryKindOfFault) {
   LONGS_EQUAL(0, counts.events_missing);
 }
 
+// On a network that delays and doubles, but loses nothing; what a lost DISARM and a firmware that starts anew can do
+// is for the long run (`--faults stops`).
+TEST(VirtualLab, FiresNothingBetweenAStopAndTheNextActOfAPerson) {
+  FaultPlan plan = stop_faults();
+  plan.packet_loss = plan[Hazard::network_outage] = 0.0;
+  plan[Hazard::firmware_kill] = plan[Hazard::firmware_stop] = 0.0;
+  const SoakCounts counts = run_lab(plan, PlanKind::brief, 12);
+  CHECK(counts.stops_reached > 200);
+  CHECK(counts.acts > counts.stops_reached / 2);
+  CHECK(counts.triggers > 100);
+  CHECK(counts.stops_asked > 80);
+  CHECK(counts.stops_confirmed > counts.stops_asked / 2);
+  LONGS_EQUAL(0, counts.stopped_triggers);
+}
+
 TEST(VirtualLab, IsTheSameToTheLastBitWhateverStrangersSend) {
   FaultPlan plan;
   const SoakCounts alone = run_lab(plan, PlanKind::brief, 20);

@@ -41,6 +41,7 @@ TEST(FaultPlan, NamesFileLineAndKeyOfWhatIsWrong) {
   CHECK_FALSE(large.has_value());
   STRCMP_CONTAINS("faults.toml:1: estop", large.error().message.c_str());
   CHECK_FALSE(find_fault_plan("tame").has_value());
+  CHECK((*find_fault_plan("stops"))[Hazard::page_disarm] > 0.0);
 }
 
 TEST(FaultPlan, StrikesWithTheStatedProbability) {
