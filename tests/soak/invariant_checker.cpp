@@ -20,7 +20,8 @@ constexpr Duration kRace = microseconds(2);  // from the last look at the key to
 constexpr Duration kTokenLife = milliseconds(30'100);
 constexpr Duration kFireToTrigger = milliseconds(5'000);
 
-constexpr Duration kRestartDelay = milliseconds(2000);
+constexpr Duration kRestartDelay = milliseconds(1000);
+constexpr Duration kBeginWithin = milliseconds(10'000);
 constexpr Duration kShownWithin = milliseconds(1000);
 
 constexpr std::array kOutputNames{"trigger", "lamps", "shutter"};
@@ -127,11 +128,21 @@ std::string InvariantChecker::objection_to(const Token& token, MonoTime at) cons
   if (slept != host_slept_.end() && token.fired >= slept->second && !acted_since(slept->second))
     return "after its sleep, without a person's act";
   if (!known(last_stop_) || at - last_stop_ <= kMakesSafe + excused(last_stop_, at)) return "";
-  if (!acted_since(last_stop_))
+  // A firmware that starts anew has forgotten its stops: a series that it has not yet armed may begin, soon after its
+  // command.
+  const bool begins = known(acted) && !stopped_in_boot_ && booted_at_ - acted <= kBeginWithin &&
+                      !armed_in_another_boot(token.host_id);
+  if (!acted_since(last_stop_) && !begins)
     return fmt::format("without a person's act since the stop at {}", to_ns(last_stop_));
   if (stopped_in_boot_ && (!known(reset_) || at - reset_ < kRestartDelay))
     return "sooner than the restart delay after a reset";
   return "";
+}
+
+bool InvariantChecker::armed_in_another_boot(std::int64_t host_id) const {
+  return std::ranges::any_of(tokens_, [&](const auto& entry) {
+    return entry.second.host_id == host_id && entry.second.boot_id != boot_id_;
+  });
 }
 
 /// Has reached the rig.
@@ -141,8 +152,9 @@ void InvariantChecker::stop(MonoTime at) {
   stopped_in_boot_ = true;
 }
 
-void InvariantChecker::booted(std::int64_t boot_id) {
+void InvariantChecker::booted(std::int64_t boot_id, MonoTime at) {
   boot_id_ = boot_id;
+  booted_at_ = at;
   alive_ = true;
   stopped_in_boot_ = false;
   newest_command_.clear();

@@ -47,7 +47,7 @@ class InvariantChecker {
   void estop(bool pressed, MonoTime at);
 
   // The processes
-  void booted(std::int64_t boot_id);
+  void booted(std::int64_t boot_id, MonoTime at = {});
   void died(MonoTime at) { died_ = at, alive_ = false; }
   void stands_still(MonoTime from, MonoTime until) { still_.push_back({from, until}); }
   void token_drawn(std::int64_t token, MonoTime at);
@@ -113,6 +113,7 @@ class InvariantChecker {
     bool reached = false, danger = false;
   };
 
+  bool armed_in_another_boot(std::int64_t host_id) const;
   void check_trigger(MonoTime at);
   std::string objection_to(const Token& token, MonoTime at) const;
   void stop(MonoTime at);
@@ -128,6 +129,7 @@ class InvariantChecker {
   firmware::Rig limits_;
   std::array<Watched, firmware::kOutputs.size()> outputs_{};
   bool key_ = true, estop_ = false, alive_ = true;
+  MonoTime booted_at_{};
   MonoTime unsafe_since_ = kNoTime, died_ = kNoTime;
   std::vector<Still> still_;
   std::int64_t boot_id_ = 0, arming_host_ = 0;

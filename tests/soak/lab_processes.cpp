@@ -197,7 +197,7 @@ void Lab::boot() {
   if (!firmware_) return in(milliseconds(500), Action::boot);
   ++counts_.boots;
   trace("boot {:x}", settings.boot_id);
-  checker_.booted(settings.boot_id);
+  checker_.booted(settings.boot_id, time_);
   for (auto& buffer : kernel_) buffer.clear();
   waiting_edges_ = 0;
   overflows_ = 0;

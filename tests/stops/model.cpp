@@ -1,5 +1,9 @@
 #include "tests/stops/model.hpp"
 
+#include <fmt/format.h>
+
+#include <utility>
+
 #include <algorithm>
 #include <vector>
 
@@ -28,6 +32,7 @@ constexpr std::array<const char*, static_cast<std::size_t>(Step::count)> kWords{
     "A's shot counts",
     "A's shot does not count",
     "A repeats DISARM",
+    "A hears of a DISARM that was taken in",
     "A's RESET arrives",
     "A's ARM arrives",
     "A's FIRE arrives",
@@ -99,7 +104,7 @@ int host_index(std::int64_t host) { return host == 0 ? 0 : host == kHostA ? 1 : 
 const char* words(Step step) { return kWords[static_cast<std::size_t>(step)]; }
 
 Model::Model(const Limits& limits, const Fault& fault)
-    : limits_(limits), fault_(fault), lock_(kExpires, 0, *fault.table) {
+    : limits_(limits), fault_(fault), lock_(kExpires, 0, *fault.table), disarm_(kHostA) {
   lock_.start(true, false);
 }
 
@@ -153,6 +158,8 @@ bool Model::possible(Step step) const {
       return runs;
     case Step::a_repeats_disarm:
       return disarm_.open();
+    case Step::a_hears_disarmed:
+      return disarm_.open() && disarmed_ != 0;
     case Step::reset_of_a_comes:
       return sent_.acted != MonoTime{};
     case Step::arm_of_a_comes:
@@ -161,7 +168,7 @@ bool Model::possible(Step step) const {
       return sent_.token != 0;
     case Step::disarm_of_a_comes:
     case Step::disarm_of_a_lost:
-      return sent_.disarm;
+      return sent_.disarm != 0;
     case Step::reset_of_b_comes:
     case Step::arm_of_b_comes:
       return b_goes_on_;
@@ -197,7 +204,7 @@ void Model::command() {
   series_.emplace(settings_of(limits_), factory_of_a());
   // Another process, which knows nothing of what the one before it heard, or was about to disarm.
   heard_ = {};
-  disarm_ = {};
+  disarm_ = host::DisarmRequest(kHostA);
   confirmed_ = false;
 }
 
@@ -205,7 +212,8 @@ void Model::press() {
   pressed_ = later();
   confirmed_ = false;
   disarm_was_sent_ = false;
-  disarm_.begin(host_now_, heard_.boot, to_ns(now_));
+  first_disarm_ = 0;
+  disarm_.begin(host_now_);
 }
 
 /// Commands for a firmware that is no more are not even kept.
@@ -222,15 +230,12 @@ void Model::step_series(Duration passed) {
   if (series_->take_disarm()) press();
 }
 
-void Model::hear_status() {
-  heard_ = snapshot();
-  status_t status{};
-  status.boot_id = heard_.boot;
-  status.state = static_cast<std::int8_t>(heard_.state);
-  status.boot_time_ns = to_ns(later());
-  if (!disarm_.on_status(status)) return;
-  confirmed_ = true;
-  reset_since_ = false;
+void Model::hear_disarmed() {
+  event_t event{};
+  event.kind = event_t::DISARMED;
+  event.boot_id = disarmed_boot_;
+  event.detail = fmt::format("disarmed by command {} of {:x} a@lab", disarmed_, kHostA);
+  if (disarm_.on_event(event, heard_.boot)) confirmed_ = true;
 }
 
 /// Newer than every command.
@@ -260,7 +265,9 @@ void Model::restart() {
   lock_.start(key, estop);
   sent_ = {};
   b_goes_on_ = false;
-  if (key && !estop && !limits_.restart_keeps) last_stop_ = {};
+  if (!key || estop || limits_.strict_restart) return;
+  last_stop_ = {};
+  confirmed_ = false;
 }
 
 std::string Model::trigger() {
@@ -269,8 +276,7 @@ std::string Model::trigger() {
   const MonoTime act = fired_by_ == kHostA ? act_a_ : act_b_;
   if (lock_.estop_active() || !lock_.key_active()) return "TRIGGER WITH A SWITCH AGAINST IT";
   if (act <= last_stop_) return "TRIGGER AFTER A STOP WITHOUT A PERSON'S ACT";
-  if (confirmed_ && act <= pressed_ && (limits_.disarm_undoes || !reset_since_))
-    return "TRIGGER AFTER A CONFIRMED DISARM WITHOUT A PERSON'S ACT";
+  if (confirmed_ && act <= pressed_) return "TRIGGER AFTER A CONFIRMED DISARM WITHOUT A PERSON'S ACT";
   return "";
 }
 
@@ -288,7 +294,10 @@ void Model::take_of_a(Step step) {
     case Step::a_hears_nothing:
       return step_series(kLongWait);
     case Step::a_hears_status:
-      return hear_status();
+      heard_ = snapshot();
+      return;
+    case Step::a_hears_disarmed:
+      return hear_disarmed();
     case Step::a_hears_refusal:
       return event(event_t::REFUSED);
     case Step::a_hears_stop:
@@ -302,11 +311,12 @@ void Model::take_of_a(Step step) {
   host_now_ += host::DisarmRequest::kRepeat;
   if (!disarm_.due(host_now_) || (fault_.disarm_once && disarm_was_sent_)) return;
   disarm_was_sent_ = true;
-  sent_.disarm = heard_.boot == boot_;
+  disarm_.on_sent(++disarms_);
+  if (first_disarm_ == 0) first_disarm_ = disarms_;
+  sent_.disarm = heard_.boot == boot_ ? disarms_ : 0;
   if (fault_.disarm_believed) {
-    disarm_ = {};
+    disarm_ = host::DisarmRequest(kHostA);
     confirmed_ = true;
-    reset_since_ = false;
   }
 }
 
@@ -319,7 +329,7 @@ void Model::take_at_firmware(Step step) {
     lock_.arm(host, next_token_++, now + firmware::Interlock::kRestartDelay);
   };
   const auto reset = [this, now](std::int64_t host, MonoTime acted) {
-    if (lock_.reset(host, acted, now - firmware::Interlock::kRestartDelay) == nullptr) reset_since_ = true;
+    lock_.reset(host, acted, now - firmware::Interlock::kRestartDelay);
   };
   switch (step) {
     case Step::reset_of_a_comes:
@@ -335,13 +345,14 @@ void Model::take_at_firmware(Step step) {
     case Step::fire_of_b_comes:
       return fire(kHostB, lock_.arm_token());
     case Step::disarm_of_a_comes:
-      sent_.disarm = false;
+      disarmed_ = std::exchange(sent_.disarm, 0);
+      disarmed_boot_ = boot_;
       [[fallthrough]];
     case Step::disarm_of_b_comes:
       lock_.disarm(now);
       return stopped(now);
     case Step::disarm_of_a_lost:
-      sent_.disarm = false;
+      sent_.disarm = 0;
       return;
     case Step::key_off:
     case Step::key_on:
@@ -391,8 +402,14 @@ Key Model::key() const {
           lock_.admitted(kHostB), host_index(lock_.arm_host()));
   const bool runs = series_ && !series_->finished();
   const bool firing = lock_.state() == State::firing;
-  out.put(firing ? host_index(fired_by_) : 0, b_goes_on_, disarm_.open(), confirmed_, sent_.arm, sent_.disarm,
-          disarm_was_sent_ && fault_.disarm_once, confirmed_ && reset_since_, runs);
+  out.put(firing ? host_index(fired_by_) : 0, b_goes_on_, disarm_.open(), confirmed_, sent_.arm,
+          sent_.disarm != 0, disarm_was_sent_ && fault_.disarm_once, runs);
+  // Which DISARMs would confirm what was pressed last.
+  const auto confirms = [this](std::int64_t id) {
+    return disarm_.open() && id != 0 && first_disarm_ != 0 && id >= first_disarm_;
+  };
+  out.put(disarm_.open() && first_disarm_ != 0, confirms(sent_.disarm), confirms(disarmed_),
+          disarm_.open() && disarmed_ != 0 && disarmed_boot_ == heard_.boot);
   // Who acted after what.
   const bool presses = disarm_.open() || confirmed_;
   const auto order = [&](MonoTime act) {
@@ -431,7 +448,7 @@ std::string Model::revive(int& turns) const {
   if (then.possible(Step::shot_over)) then.take(Step::shot_over);
   if (then.disarm_.open()) {
     for (const Step step :
-         {Step::a_hears_status, Step::a_repeats_disarm, Step::disarm_of_a_comes, Step::a_hears_status})
+         {Step::a_hears_status, Step::a_repeats_disarm, Step::disarm_of_a_comes, Step::a_hears_disarmed})
       take_if_possible(step);
     if (then.disarm_.open()) return "A DISARM IS NEVER CONFIRMED";
   }

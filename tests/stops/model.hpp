@@ -27,6 +27,7 @@ enum class Step : std::uint8_t {
   a_result_good,
   a_result_bad,
   a_repeats_disarm,
+  a_hears_disarmed,  ///< the newest event that answers a DISARM of A's
   reset_of_a_comes,
   arm_of_a_comes,
   fire_of_a_comes,
@@ -63,9 +64,10 @@ struct Fault {
 
 struct Limits {
   int shots = 2, retries = 1;
-  bool restarts = true;  ///< of the firmware
-  bool strict =
-      false;  ///< a confirmed DISARM also holds against what persons did between the last stop and the press
+  bool restarts = false;  ///< of the firmware
+  bool faults = false;    ///< of the firmware
+  /// What is left open (README.md) counts as wrong.
+  bool strict_restart = false;
   bool ways_back = true;  ///< every state is tried for one (Model::revive)
 };
 
@@ -98,8 +100,9 @@ class Model {
  private:
   struct Sent {
     MonoTime acted{};  ///< of RESET; 0: none
-    bool arm = false, disarm = false;
-    std::int64_t token = 0;  ///< of FIRE; 0: none
+    bool arm = false;
+    std::int64_t disarm = 0;  ///< the command's id; 0: none
+    std::int64_t token = 0;   ///< of FIRE; 0: none
   };
   MonoTime later() { return now_ = now_ + microseconds(1); }
   void stopped(MonoTime when) { last_stop_ = when; }
@@ -108,7 +111,7 @@ class Model {
   void command();
   void press();
   void step_series(Duration later);
-  void hear_status();
+  void hear_disarmed();
   void result(bool good);
   void event(std::int8_t kind);
   void restart();
@@ -124,16 +127,18 @@ class Model {
   // Host A
   std::optional<host::ShotSeries> series_;
   host::DisarmRequest disarm_;
+  std::int64_t disarms_ = 0;       ///< ids used
+  std::int64_t first_disarm_ = 0;  ///< that may be confirmed; 0: none was sent since it was pressed
+  std::int64_t disarmed_ = 0, disarmed_boot_ = 0;  ///< what the firmware said last; 0: nothing
   bool disarm_was_sent_ = false;
   HostTime host_now_{std::chrono::seconds{1000}};
   Snapshot heard_;
   Sent sent_;
   // What persons did, for the judge
   MonoTime act_a_{}, act_b_{}, last_stop_{};
-  MonoTime pressed_{};        ///< A's newest DISARM
-  bool confirmed_ = false;    ///< to A
-  bool reset_since_ = false;  ///< a RESET was taken in after that
-  bool b_goes_on_ = false;    ///< B was asked to fire since the firmware started
+  MonoTime pressed_{};      ///< A's newest DISARM
+  bool confirmed_ = false;  ///< to A
+  bool b_goes_on_ = false;  ///< B was asked to fire since the firmware started
   bool triggered_ = false;
 };
 

@@ -34,7 +34,7 @@ TransitionTable without_latch() {
 }  // namespace
 
 TEST_GROUP(Stops) {
-  static constexpr Limits kSafety{.shots = 1, .retries = 0, .restarts = false, .ways_back = false};
+  static constexpr Limits kSafety{.shots = 1, .retries = 0, .ways_back = false};
 
   void expect(const char* wrong, const char* what, const Limits& limits, const Fault& fault) {
     STRCMP_CONTAINS(wrong, searched(what, limits, fault).wrong.c_str());
@@ -43,34 +43,33 @@ TEST_GROUP(Stops) {
 
 // What is wrong in a state from which a person's one act does not lead to a shot is found by the same searches.
 TEST(Stops, NothingIsTriggeredAfterAStopWithoutAPersonInASeriesOfSeveralShots) {
-  const Found found = searched("a series with retries", {.restarts = false, .faults = false});
+  const Found found = searched("a series with retries", {});
   CHECK_EQUAL("", found.wrong);
   CHECK(found.triggers > 0);
 }
 
-TEST(Stops, NorWithFaultsAndAFirmwareThatStartsAnew) {
-  const Found found = searched("faults and restarts", {.shots = 1, .retries = 0});
+TEST(Stops, NorAfterFaults) {
+  const Found found = searched("faults", {.shots = 1, .retries = 0, .faults = true});
+  CHECK_EQUAL("", found.wrong);
+  CHECK(found.triggers > 0);
+}
+
+TEST(Stops, NorByAFirmwareThatStartsAnew) {
+  const Found found = searched("restarts", {.shots = 1, .retries = 0, .restarts = true});
   CHECK_EQUAL("", found.wrong);
   CHECK(found.triggers > 0);
 }
 
 TEST(Stops, TheFirmwareAloneKeepsThemAgainstASeriesThatHearsOfNone) {
-  const Found found = searched(
-      "a deaf series", {.shots = 1, .retries = 0, .restarts = false, .faults = false}, {.deaf_series = true});
+  const Found found = searched("a deaf series", {.shots = 1, .retries = 0}, {.deaf_series = true});
   CHECK_EQUAL("", found.wrong);
   CHECK(found.triggers > 0);
 }
 
-// Two gaps that are left, so that nobody takes them for closed: whoever closes one turns its test around.
-TEST(Stops, LeftOpenADisarmThatIsLostWhileTheRigIsStoppedIsTakenForConfirmed) {
-  Limits limits = kSafety;
-  limits.disarm_undoes = true;
-  expect("CONFIRMED DISARM", "a confirmation without the DISARM", limits, {});
-}
-
+// A gap that is left, so that nobody takes it for closed: whoever closes it turns its test around.
 TEST(Stops, LeftOpenAFirmwareThatStartsAnewForgetsAStopOfASeriesThatHasNotBegun) {
   Limits limits = kSafety;
-  limits.restarts = limits.restart_keeps = true;
+  limits.restarts = limits.strict_restart = true;
   expect("AFTER A STOP", "a stop before the firmware's start", limits, {});
 }
 
@@ -109,5 +108,5 @@ TEST(Stops, WouldNoticeARigThatIsStoppedForGood) {
   table[static_cast<std::size_t>(InterlockEvent::reset)]
       .in[static_cast<std::size_t>(firmware::State::stopped)]
       .next = firmware::State::stopped;
-  expect("DOES NOT LEAD TO A SHOT", "no RESET ends a stop", {.restarts = false}, {.table = &table});
+  expect("DOES NOT LEAD TO A SHOT", "no RESET ends a stop", {}, {.table = &table});
 }

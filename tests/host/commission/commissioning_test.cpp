@@ -1,6 +1,8 @@
 // The state machine of commissioning, on a bus and a clock of this test's.
 #include "host/commission/commissioning.hpp"
 
+#include <fmt/format.h>
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -376,9 +378,13 @@ TEST(Commissioning, DisarmsWhereItIsStopped) {
   commissioning->stop("the operator");
   LONGS_EQUAL(+command_t::DISARM, last_command().kind);
   CHECK_FALSE(commissioning->finished());
-  status.state = status_t::STOPPED;
-  status.boot_time_ns += 60'000'000'000;
-  tell_status();
+  strobe_msgs::event_t disarmed{};
+  disarmed.schema_version = strobe_msgs::event_t::SCHEMA_VERSION;
+  disarmed.boot_id = kBoot;
+  disarmed.sequence = 1;
+  disarmed.kind = strobe_msgs::event_t::DISARMED;
+  disarmed.detail = fmt::format("disarmed by command {} of {:x}", last_command().command_id, kHost);
+  arrive(Channel::event, disarmed);
   turn(2);
   CHECK_TRUE(commissioning->finished());
   CHECK_TRUE(commissioning->stopped());
