@@ -99,7 +99,11 @@ class LoopThread {
   }
   /// What could not be had of the thread's real-time rights.
   std::vector<std::string> set_up() { return set_up_.get_future().get(); }
-  void start(const ShortText& detail) { go_.set_value(detail); }
+  /// Returns once the levels of key and e-stop have been read: the first status is to tell them.
+  void start(const ShortText& detail) {
+    go_.set_value(detail);
+    levels_read_.get_future().wait();
+  }
   void hang() { hang_ = true; }                  ///< drill
   void lose_outputs() { lose_outputs_ = true; }  ///< drill: they can no longer be set
   /// False: it had not stopped in good order.
@@ -121,6 +125,7 @@ class LoopThread {
     const ShortText detail = go_.get_future().get();
     if (detail.empty()) return;
     const char* failure = sequencer_.start(detail) ? nullptr : kNoSwitchingOff;
+    levels_read_.set_value();
     while (failure == nullptr && !stop_) failure = turn();
     // Whoever stops the process may do it because the guardian is gone.
     if (failure == nullptr) failure = guardian_fault();
@@ -171,6 +176,7 @@ class LoopThread {
   bool well_ = true;
   std::promise<std::vector<std::string>> set_up_;
   std::promise<ShortText> go_;
+  std::promise<void> levels_read_;
   std::thread thread_;
 };
 
