@@ -122,9 +122,12 @@ void ShotSeries::begin(const status_t& status, HostTime now) {
 
 void ShotSeries::check_stop(const status_t& status) {
   if (begun_boot_ == 0) return;
-  // Until it has given a token it may be a log that is played back, and the firmware is still to be heard.
-  if (status.boot_id != begun_boot_ && !admitted_) return begin(status, now_);
-  if (status.boot_id != begun_boot_) return end_after_shot("the firmware was started anew");
+  if (status.boot_id != begun_boot_) {
+    const bool follows =
+        std::ranges::any_of(status.earlier, [this](const auto& boot) { return boot.boot_id == begun_boot_; });
+    if (admitted_ || follows) return end_after_shot("the firmware was started anew");
+    return begin(status, now_);  // what was heard before was a log that is played back
+  }
   if (const std::string words = stop_of(status); !words.empty()) end_after_shot(words);
 }
 

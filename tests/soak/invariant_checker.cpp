@@ -130,7 +130,7 @@ std::string InvariantChecker::objection_to(const Token& token, MonoTime at) cons
   if (!known(last_stop_) || at - last_stop_ <= kMakesSafe + excused(last_stop_, at)) return "";
   // A firmware that starts anew has forgotten its stops: a series that it has not yet armed may begin, soon after its
   // command.
-  const bool begins = known(acted) && !stopped_in_boot_ && booted_at_ - acted <= kBeginWithin &&
+  const bool begins = known(acted) && last_stop_ < booted_at_ && booted_at_ - acted <= kBeginWithin &&
                       !armed_in_another_boot(token.host_id);
   if (!acted_since(last_stop_) && !begins)
     return fmt::format("without a person's act since the stop at {}", to_ns(last_stop_));

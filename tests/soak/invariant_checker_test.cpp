@@ -173,7 +173,7 @@ TEST(InvariantChecker, HearsOfATriggerThatFollowsAResetTooSoonOrNone) {
     pass(milliseconds(1));
     act();
     if (is_reset) reset();
-    pass(milliseconds(1'900));
+    pass(milliseconds(900));
     shoot();
     expect("sooner than the restart delay");
   }
