@@ -190,7 +190,8 @@ void ShotSeries::wait_for_readiness(const status_t& status, HostTime now) {
 void ShotSeries::arm(const status_t& status, HostTime now) {
   blocking_reason_ = unanswered_;
   if (ours(status)) {
-    if (!second_rig_.empty()) return end_after_shot(second_rig_);
+    // Nothing is fired with the token, which expires by itself: a DISARM would end the series.
+    if (!second_rig_.empty()) return enter(State::waiting, now);
     refusal_.clear();
     blocking_reason_.clear();
     admitted_ = true;
