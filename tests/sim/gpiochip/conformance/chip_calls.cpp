@@ -59,11 +59,11 @@ GpioChip opened() {
   return std::move(*chip);
 }
 
-const std::array<OutputLineSpec, 2>& pair() {
-  static const std::array<OutputLineSpec, 2> specs{{{line_a, false}, {line_b, true}}};
-  return specs;
+const std::array<unsigned, 2>& pair() {
+  static const std::array<unsigned, 2> offsets{line_a, line_b};
+  return offsets;
 }
-std::span<const OutputLineSpec> first() { return std::span(pair()).first(1); }
+std::span<const unsigned> first() { return std::span(pair()).first(1); }
 
 void say_opening(const char* which) {
   const auto chip = GpioChip::open(which);
@@ -93,7 +93,7 @@ void outputs() {
   say("both active", two->set(std::array{true, true}));
   say("one active", two->set(std::array{true, false}));
   say_outcome("request again by the same", chip.request_outputs(first()));
-  const OutputLineSpec past{1000, false};
+  const unsigned past = 1000;
   say_outcome("of a line past the last", chip.request_outputs(std::span(&past, 1)));
   GpioChip other = opened();
   say_user("another sees it used by", other.user_of(line_a));
