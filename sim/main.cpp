@@ -62,6 +62,12 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
       "--write-rig", options.rig_file,
       "Write a rig file that fits the scene, for strobed --config and strobe fire --rig; a file that "
       "says something else is not overwritten");
+  run->add_option(
+         "--time", options.rig_time,
+         "rig: time waits for the command's real-time loop, so that a busy machine makes no flash late; "
+         "real: the machine's, for judging it")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"rig", true}, {"real", false}}))
+      ->default_str("rig");
   run->add_option("--tolerance", options.tolerance,
                   "Simulate only what numbers read require to stay within this: 0.5%, 5e-3");
   run->add_option("--deadline-us", options.deadline_us, "Longest that computing a shot may take");

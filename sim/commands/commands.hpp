@@ -23,6 +23,7 @@ struct RunOptions {
   std::string photographs;   ///< folder for the camera's files; empty: none are made
   std::string rig_file;      ///< to write before the command starts; empty: none
   bool digitizer = true;
+  bool rig_time = true;  ///< else the machine's
   std::string tolerance;              ///< empty: none
   std::optional<double> deadline_us;  ///< per computed shot
   std::vector<std::string> command;

@@ -149,7 +149,7 @@ class Session {
         !made)
       return tl::unexpected(made.error());
     session->runner_ = std::make_unique<RigRunner>(std::move(*chip), scene, seed, session->exposure_store_,
-                                                   !options.changes_file.empty(), model);
+                                                   !options.changes_file.empty(), model, options.rig_time);
     if (options.digitizer) {
       const auto key = authentication::find_key({options.key_file, ""});
       if (!key) return tl::unexpected(key.error());
@@ -161,7 +161,7 @@ class Session {
       session->tablet_operator_->start();
     }
     session->runner_->start();
-    if (session->photographer_) session->photographer_->start();
+    if (session->photographer_) session->photographer_->start(!options.rig_time);
     return session;
   }
 

@@ -14,6 +14,7 @@
 #include "sim/gpiochip/folder.hpp"
 #include "sim/gpiochip/levels.hpp"
 #include "sim/gpiochip/ownership.hpp"
+#include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
 
 namespace strobe::sim {
@@ -45,12 +46,13 @@ Change unpack(const gpio::State& state, std::uint64_t word) {
 struct Chip::Impl {
   gpio::ChipFolder folder;
   std::int64_t swept_ns = 0;
+  gpio::LoopWatch watch{};
 
   gpio::State& state() const { return *folder.state; }
   const char* path() const { return folder.path.c_str(); }
 
   void sweep() {
-    const std::int64_t now = gpio::sys::now_ns();
+    const std::int64_t now = gpio::now_ns(state());
     if (now - swept_ns < kSweep_ns) return;
     swept_ns = now;
     gpio::finish_pending(state());
@@ -69,9 +71,10 @@ struct Chip::Impl {
 
   void change_outside(std::uint32_t line, gpio::PinEdit edit, MonoTime stamp) const {
     if (line >= state().line_count || state().unplugged.load() != 0) return;
+    const std::int64_t stamp_ns = std::min(to_ns(stamp), gpio::now_ns(state()));
     lock_drive(line);
-    if (gpio::change_line(state(), line, edit, gpio::CauseCode::drive, to_ns(stamp)))
-      gpio::emit_edge(folder, line, gpio::level_of(state(), line), to_ns(stamp));
+    if (gpio::change_line(state(), line, edit, gpio::CauseCode::drive, stamp_ns))
+      gpio::emit_edge(folder, line, gpio::level_of(state(), line), stamp_ns);
     unlock_drive(line);
     gpio::notify(state());
   }
@@ -107,7 +110,8 @@ struct Chip::Impl {
     if (gpio::newest(state()) != cursor.next) return;
     std::int64_t until = to_ns(deadline);
     if (gpio::any_requested(state())) until = std::min(until, swept_ns + kSweep_ns);
-    gpio::sys::futex_wait(&state().wake, seen, until);
+    const std::int64_t left = until - gpio::now_ns(state());
+    if (left > 0) gpio::sys::futex_wait(&state().wake, seen, gpio::sys::now_ns() + left);
   }
 };
 
@@ -168,13 +172,24 @@ bool Chip::wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Cha
   const std::size_t before = changes.size();
   for (;;) {
     // Looked at first: a caller that was held up past its deadline still gets what a sweep finds.
-    const bool expired = gpio::sys::now_ns() >= to_ns(deadline);
+    const bool expired = gpio::now_ns(impl_->state()) >= to_ns(deadline);
+    impl_->watch.look(impl_->state());
     impl_->sweep();
     if (!impl_->read_ring(cursor, changes)) return false;
     if (changes.size() != before || expired) return true;
     impl_->sleep(cursor, deadline);
   }
 }
+
+MonoTime Chip::now() const { return from_ns(gpio::now_ns(impl_->state())); }
+
+void Chip::keep_time(const ChangeCursor& cursor) { gpio::keep_time(impl_->state(), cursor.next); }
+
+void Chip::rig_turned(const ChangeCursor& cursor, MonoTime due) {
+  if (impl_->state().time.kept.load() != 0) gpio::rig_turned(impl_->state(), cursor.next, to_ns(due));
+}
+
+void Chip::stop_keeping_time() { gpio::stop_keeping_time(impl_->state()); }
 
 ChangeCursor Chip::cursor_now() const { return {gpio::newest(impl_->state())}; }
 
@@ -183,7 +198,7 @@ void Chip::unplug() {
   state.unplugged.store(1);
   impl_->folder.close_events();
   for (std::uint32_t line = 0; state.input_on_release != 0 && line < state.line_count; ++line) {
-    gpio::change_line(state, line, gpio::float_edit(), gpio::CauseCode::release, gpio::sys::now_ns());
+    gpio::change_line(state, line, gpio::float_edit(), gpio::CauseCode::release, gpio::now_ns(state));
   }
   gpio::notify(state);
 }

@@ -106,6 +106,14 @@ class Chip {
   bool wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Change>& changes);
   ChangeCursor cursor_now() const;  ///< only changes from now on
 
+  /// The time that stamps are of: the machine's CLOCK_MONOTONIC, or rig time while it is kept (rig_time.hpp).
+  MonoTime now() const;
+  /// From now on this program's rig keeps the time of all: after each look at the changes it says up to where it has
+  /// seen them, and when it has something due; time waits for it there.
+  void keep_time(const ChangeCursor& cursor);
+  void rig_turned(const ChangeCursor& cursor, MonoTime due);
+  void stop_keeping_time();
+
   /// As if the device were unplugged: every further ioctl answers ENODEV, the node is gone, event descriptors
   /// end (poll: hang-up, read: ENODEV) as soon as every rig that is attached made its next call. A chip that
   /// keeps released outputs goes on driving them, as one whose driver was taken away does; one that does not

@@ -5,6 +5,7 @@
 
 #include "sim/gpiochip/debounce.hpp"
 #include "sim/gpiochip/ownership.hpp"
+#include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
 
 namespace strobe::sim::gpio {
@@ -77,6 +78,7 @@ void emit_edge(const ChipFolder& folder, std::uint32_t line, unsigned level, std
     return note_bounce(*folder.state, line, stamp_ns);
   }
   if (!is_wanted(config, level)) return;
+  hold_for_edge(*folder.state, stamp_ns);
   if ((config & ConfigWord::kVersion2) != 0) {
     emit_v2(folder, line, level, stamp_ns);
   } else {
@@ -88,6 +90,7 @@ void emit_settled(const ChipFolder& folder, std::uint32_t line, unsigned level, 
   Settled settled;
   if (!take_settled(*folder.state, line, level, now_ns, settled) || !settled.changed) return;
   if (is_wanted(folder.state->lines[line].config.load(), level)) {
+    hold_for_edge(*folder.state, now_ns);
     emit_v2(folder, line, level, settled.stamp_ns);
   }
 }

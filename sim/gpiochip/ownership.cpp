@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "sim/gpiochip/levels.hpp"
+#include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
 #include "sim/gpiochip/watches.hpp"
 
@@ -89,7 +90,7 @@ void release_line(State& state, const char* folder, std::uint32_t line) {
   Line& entry = state.lines[line];
   std::uint32_t config = entry.config.load() & ConfigWord::kKeptByRelease;
   if (state.input_on_release != 0) {
-    change_line(state, line, float_edit(), CauseCode::release, sys::now_ns());
+    change_line(state, line, float_edit(), CauseCode::release, now_ns(state));
     config &= ~ConfigWord::kIsOut;
   }
   set_consumer(entry, "");

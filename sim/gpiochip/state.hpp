@@ -14,7 +14,7 @@
 namespace strobe::sim::gpio {
 
 inline constexpr std::uint64_t kMagic = 0x53545242'4750494fULL;  // "STRBGPIO"
-inline constexpr std::uint32_t kVersion = 3;
+inline constexpr std::uint32_t kVersion = 4;
 inline constexpr std::uint32_t kMaxLines = 64;
 inline constexpr std::uint32_t kMaxWatchers = 32;  ///< opens of the chip that can watch lines
 inline constexpr std::uint32_t kRingBits = 16;
@@ -154,6 +154,21 @@ struct RecordSizes {
   static constexpr std::uint32_t kInfoChangedV1 = 1U << 2;  ///< v1's watches
 };
 
+/// The time that the programs of a rig share (rig_time.hpp): the machine's, but not beyond any of these. [ns of
+/// CLOCK_MONOTONIC]
+struct alignas(64) RigTime {
+  std::atomic<std::uint32_t> kept;      ///< 0: the programs live in the machine's time
+  std::atomic<std::uint32_t> turns;     ///< futex: grows when the rig has done what was due
+  std::atomic<std::int64_t> loop_ns;    ///< the loop's time while it runs, its wake-up while it sleeps
+  std::atomic<std::int64_t> rig_ns;     ///< what the rig does next
+  std::atomic<std::int64_t> edge_ns;    ///< an edge that the sleeping loop is yet to see
+  std::atomic<std::int64_t> latest_ns;  ///< that anybody has read: time never goes back
+  std::atomic<std::uint64_t> seen;      ///< position in the ring up to which the rig has seen the changes
+  std::atomic<std::int32_t> loop_pid;   ///< 0: no loop yet
+  std::atomic<std::int32_t> loop_tid;
+  std::atomic<std::uint32_t> loop_sleeps;
+};
+
 struct State {
   std::atomic<std::uint64_t> magic;  ///< written last by the creator
   std::uint32_t version;
@@ -176,6 +191,8 @@ struct State {
   alignas(64) std::atomic<std::uint64_t> head;  ///< position of the next ring entry
   alignas(64) std::atomic<std::uint32_t> wake;  ///< futex: grows with every change
   std::atomic<std::uint32_t> waiting;           ///< a process may be sleeping on `wake`
+
+  RigTime time;
 
   Line lines[kMaxLines];
   Handle handles[kMaxLines];

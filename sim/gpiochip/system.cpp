@@ -1,5 +1,6 @@
 #include "sim/gpiochip/system.hpp"
 
+#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/futex.h>
@@ -12,6 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <climits>
 
 namespace strobe::sim::gpio::sys {
@@ -41,11 +43,23 @@ struct timespec to_timespec(std::int64_t ns) {
 
 std::int64_t clock_ns(clockid_t clock) {
   struct timespec now {};
-  ::clock_gettime(clock, &now);
+  sys::clock_gettime(clock, &now);
   return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
 }  // namespace
+
+int clock_gettime(clockid_t clock, struct timespec* time) {
+  // The next one: this library has its own, and a program may be preloaded with it.
+  using Function = int(clockid_t, struct timespec*);
+  static std::atomic<Function*> native{nullptr};
+  Function* found = native.load(std::memory_order_relaxed);
+  if (found == nullptr) {
+    found = reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, "clock_gettime"));
+    native.store(found, std::memory_order_relaxed);
+  }
+  return found(clock, time);
+}
 
 int open_at(int folder, const char* path, int flags, unsigned mode) {
   return static_cast<int>(call(SYS_openat, folder, path, flags, mode));

@@ -5,6 +5,8 @@
 
 #include <sys/types.h>
 
+#include <time.h>
+
 #include <cstddef>
 #include <cstdint>
 
@@ -33,7 +35,8 @@ bool is_locked(int fd, std::int64_t byte);  ///< by a description other than fd'
 void* map_shared(int fd, std::size_t size);
 void unmap(void* address, std::size_t size);
 
-std::int64_t now_ns();                  ///< CLOCK_MONOTONIC
+int clock_gettime(clockid_t clock, struct timespec* time);  ///< native, whatever is preloaded
+std::int64_t now_ns();                  ///< CLOCK_MONOTONIC of the machine; see rig_time.hpp
 std::int64_t realtime_offset_ns();      ///< CLOCK_REALTIME minus CLOCK_MONOTONIC
 void sleep_ns(std::int64_t duration);   ///< may end early
 void futex_wake_all(const void* word);  ///< across processes

@@ -6,6 +6,7 @@
 
 #include "sim/gpiochip/line_info.hpp"
 #include "sim/gpiochip/ownership.hpp"
+#include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
 
 namespace strobe::sim::gpio {
@@ -49,7 +50,7 @@ void tell_watchers(State& state, const char* folder, std::uint32_t line, std::ui
   if ((watched_lines(state) >> line & 1) == 0) return;
   gpio_v2_line_info_changed changed{};
   changed.info = info_of(state, line);
-  changed.timestamp_ns = static_cast<std::uint64_t>(sys::now_ns());
+  changed.timestamp_ns = static_cast<std::uint64_t>(now_ns(state));
   changed.event_type = change;
   for (std::uint32_t watcher = 0; watcher < kMaxWatchers; ++watcher) {
     if ((state.watchers[watcher].lines.load() >> line & 1) != 0) tell_one(state, folder, watcher, changed);

@@ -32,11 +32,12 @@ MonoTime monotonic_now() {
 }
 
 RigRunner::RigRunner(Chip chip, const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store,
-                     bool record_changes, const Model& model)
+                     bool record_changes, const Model& model, bool rig_time)
     : chip_(std::move(chip)),
-      rig_(scene, seed, monotonic_now(), model),
+      rig_(scene, seed, chip_.now(), model),
       exposure_store_(exposure_store),
       record_changes_(record_changes),
+      rig_time_(rig_time),
       cursor_(chip_.cursor_now()) {}
 
 RigRunner::~RigRunner() { stop(); }
@@ -74,15 +75,17 @@ void RigRunner::give_drives(MonoTime now) {
 
 void RigRunner::run(const std::atomic<bool>& stopping) {
   become_prompt();
+  if (rig_time_) chip_.keep_time(cursor_);
   while (!stopping) {
-    take_changes(std::min(rig_.next_due(), monotonic_now() + kLongestWait));
-    const MonoTime now = monotonic_now();
-    give_drives(now);
+    take_changes(std::min(rig_.next_due(), chip_.now() + kLongestWait));
+    give_drives(chip_.now());
     exposure_store_.set_exposing(rig_.exposing_since());
+    chip_.rig_turned(cursor_, rig_.next_due());
   }
-  take_changes(monotonic_now());
+  if (rig_time_) chip_.stop_keeping_time();
+  take_changes(chip_.now());
   exposures_.clear();
-  rig_.finish(monotonic_now(), exposures_);
+  rig_.finish(chip_.now(), exposures_);
   for (Exposure& exposure : exposures_) exposure_store_.add(std::move(exposure));
   exposure_store_.set_exposing(std::nullopt);
 }

@@ -20,9 +20,9 @@ MonoTime monotonic_now();
 class RigRunner {
  public:
   /// `chip` is this runner's own, created or attached to; changes from now on are seen. `exposure_store` must
-  /// outlive the runner.
+  /// outlive the runner. rig_time: the rig keeps the time of the program under test (sim/gpiochip/rig_time.hpp).
   RigRunner(Chip chip, const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store,
-            bool record_changes, const Model& model = Model::full());
+            bool record_changes, const Model& model = Model::full(), bool rig_time = false);
   ~RigRunner();
   RigRunner(const RigRunner&) = delete;
   RigRunner& operator=(const RigRunner&) = delete;
@@ -43,6 +43,7 @@ class RigRunner {
   Rig rig_;
   ExposureStore& exposure_store_;
   bool record_changes_;
+  bool rig_time_;
   ChangeCursor cursor_;
   std::vector<Change> fresh_;
   std::vector<Change> recorded_;

@@ -52,8 +52,8 @@ Result<std::unique_ptr<TetheredCamera>> TetheredCamera::create(const fs::path& f
   return std::unique_ptr<TetheredCamera>(new TetheredCamera(folder, scene, seed, exposure_store));
 }
 
-void TetheredCamera::start() {
-  thread_ = std::thread([this] { run(); });
+void TetheredCamera::start(bool gives_way) {
+  thread_ = std::thread([this, gives_way] { run(gives_way); });
 }
 
 Result<void> TetheredCamera::stop() {
@@ -64,8 +64,8 @@ Result<void> TetheredCamera::stop() {
   return outcome_;
 }
 
-void TetheredCamera::run() {
-  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLowest);
+void TetheredCamera::run(bool gives_way) {
+  if (gives_way) setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLowest);
   while (!stopping_) {
     take(false);
     std::this_thread::sleep_for(kPoll);

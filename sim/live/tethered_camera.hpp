@@ -1,7 +1,6 @@
 // The rig's camera as a tethered one: after each exposure its photograph appears in a folder, complete, under
-// a new name (exposure-0001.tif; numbers continue after existing files). A thread of its own at the lowest
-// niceness, so that rendering uses only the time that the rig and the program under test leave. Start and
-// stop from one thread.
+// a new name (exposure-0001.tif; numbers continue after existing files). A thread of its own. Start and stop
+// from one thread.
 #pragma once
 
 #include <atomic>
@@ -26,14 +25,16 @@ class TetheredCamera {
   TetheredCamera(const TetheredCamera&) = delete;
   TetheredCamera& operator=(const TetheredCamera&) = delete;
 
-  void start();
+  /// gives_way: rendering uses only the time that the rig and the program under test leave, as it must where they live
+  /// in the machine's.
+  void start(bool gives_way);
   /// Writes what is still to be written, and ends the thread. The first thing that could not be written.
   Result<void> stop();
 
  private:
   TetheredCamera(const std::filesystem::path& folder, const Scene& scene, std::uint64_t seed,
                  const ExposureStore& exposure_store);
-  void run();
+  void run(bool gives_way);
   /// Renders the exposures that are due; all of them if `at_once`.
   void take(bool at_once);
   void photograph(const Exposure& exposure);

@@ -6,6 +6,7 @@
 
 #include "sim/gpiochip/levels.hpp"
 #include "sim/gpiochip/preload/lines.hpp"
+#include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
 #include "sim/gpiochip/watches.hpp"
 
@@ -91,7 +92,7 @@ int open_handle(const HandleName& name) {
 int take_handle_lines(State& state, const ChipLock& lock, const gpiohandle_request& request,
                       const HandleName& name, int fd) {
   const std::uint32_t owner = ConfigWord::kRequested | name.slot << ConfigWord::kSlotShift;
-  const std::int64_t now = sys::now_ns();
+  const std::int64_t now = now_ns(state);
   for (std::uint32_t i = 0; i < request.lines; ++i) {
     const std::uint32_t line = request.lineoffsets[i];
     int result = line < state.line_count ? 0 : -EINVAL;
@@ -124,7 +125,7 @@ int take_event_line(State& state, const ChipLock& lock, const gpioevent_request&
   if ((request.eventflags & GPIOEVENT_REQUEST_RISING_EDGE) != 0) owner |= ConfigWord::kRising;
   if ((request.eventflags & GPIOEVENT_REQUEST_FALLING_EDGE) != 0) owner |= ConfigWord::kFalling;
   const LineSetting setting = setting_of(request.handleflags | GPIOHANDLE_REQUEST_INPUT, 0);
-  configure_line(state, line, setting, owner, sys::now_ns());
+  configure_line(state, line, setting, owner, now_ns(state));
   tell_watchers(state, device().folder, line, GPIO_V2_LINE_CHANGED_REQUESTED);
   return sys::control(fd, F_SETFL, 0);
 }
@@ -175,7 +176,7 @@ int configure_handle(std::uint32_t slot, const gpiohandle_config& config) {
   if (refused != 0) return refused;
   const Handle& handle = state.handles[slot];
   const std::uint32_t owner = ConfigWord::kRequested | slot << ConfigWord::kSlotShift;
-  const std::int64_t now = sys::now_ns();
+  const std::int64_t now = now_ns(state);
   for (std::uint32_t i = 0; i < handle.count.load(); ++i) {
     const std::uint32_t line = handle.lines[i].load();
     configure_line(state, line, setting_of(config.flags, config.default_values[i]), owner, now);

@@ -8,6 +8,7 @@
 #include "sim/gpiochip/preload/device.hpp"
 #include "sim/gpiochip/preload/line_config.hpp"
 #include "sim/gpiochip/preload/lines.hpp"
+#include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
 #include "sim/gpiochip/watches.hpp"
 
@@ -87,7 +88,7 @@ void release_taken(State& state, std::uint32_t slot, const gpio_v2_line_request&
 }
 
 int take_lines(State& state, const ChipLock& lock, std::uint32_t slot, const gpio_v2_line_request& request) {
-  const std::int64_t now = sys::now_ns();
+  const std::int64_t now = now_ns(state);
   for (std::uint32_t i = 0; i < request.num_lines; ++i) {
     const int result = take_one(state, lock, slot, i, request, now);
     if (result == 0) continue;
@@ -145,7 +146,7 @@ int configure_lines(std::uint32_t slot, const gpio_v2_line_config& config) {
   const sys::NoSignals quiet;
   const ChipLock lock(device().folder);
   int result = lock.error();
-  const std::int64_t now = sys::now_ns();
+  const std::int64_t now = now_ns(state);
   for (std::uint32_t i = 0; result == 0 && i < handle.count.load(); ++i) {
     // A line without a direction stays as it is.
     if (setting_of(config, i).direction == Direction::as_is) continue;

@@ -11,6 +11,7 @@
 #include "sim/gpiochip/preload/request.hpp"
 #include "sim/gpiochip/preload/request_v2.hpp"
 #include "sim/gpiochip/preload/uapi_v2.hpp"
+#include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
 
 namespace strobe::sim::gpio {
@@ -69,7 +70,7 @@ int set_values(const Handle& handle, const void* user) {
   if (!plausible(user)) return -EFAULT;
   const auto* values = static_cast<const std::uint8_t*>(user);
   const std::uint32_t count = handle.count.load();
-  const std::int64_t now = sys::now_ns();  // one instant: the lines of a handle change together
+  const std::int64_t now = now_ns(state);  // one instant: the lines of a handle change together
   bool changed = false;
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t line = handle.lines[i].load();

@@ -10,6 +10,7 @@
 #include "sim/gpiochip/preload/device.hpp"
 #include "sim/gpiochip/preload/lines.hpp"
 #include "sim/gpiochip/preload/pins.hpp"
+#include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
 
 namespace strobe::sim::gpio {
@@ -89,7 +90,7 @@ int get_line_values(std::uint32_t slot, void* user) {
     if ((values.mask & bit(i)) == 0) continue;
     const std::uint32_t line = request.lines[i].load();
     const unsigned level =
-        is_debounced(state, line) ? debounced_level(state, line, sys::now_ns()) : level_of(state, line);
+        is_debounced(state, line) ? debounced_level(state, line, now_ns(*device().state)) : level_of(state, line);
     if (physical(state.lines[line].config.load(), level) != 0) values.bits |= bit(i);
   }
   memcpy(user, &values, sizeof(values));
@@ -104,7 +105,7 @@ int set_line_values(std::uint32_t slot, const void* user) {
   memcpy(&values, user, sizeof(values));
   const int refused = check_settable(request, values.mask);
   if (refused != 0) return refused;
-  const std::int64_t now = sys::now_ns();  // one instant: the lines of a call change together
+  const std::int64_t now = now_ns(*device().state);  // one instant: the lines of a call change together
   bool changed = false;
   for (std::uint32_t i = 0; i < request.count.load(); ++i) {
     if ((values.mask & bit(i)) == 0) continue;

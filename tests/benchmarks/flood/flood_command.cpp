@@ -155,7 +155,7 @@ void read_journal(const std::string& path, int cpu, Run& run) {
 Run measure(const Options& options, const Layout& layout) {
   const Placed placed(layout.other_cpus);
   hil::RigFixtureOptions rig_options;
-  rig_options.sim_options = {"--no-digitizer"};
+  rig_options.sim_options = {"--no-digitizer", "--time", "real"};
   rig_options.rig_edits = {{"\ncpu = -1", "\ncpu = " + std::to_string(layout.loop_cpu)},
                            {"\npriority = 80", "\npriority = " + std::to_string(options.priority)}};
   hil::RigFixture bench(rig_options);

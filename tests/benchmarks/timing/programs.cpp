@@ -65,7 +65,7 @@ LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& fold
   // A key of its own: both programs find it there.
   std::ofstream(script) << "export XDG_CONFIG_HOME='" << folder.string() << "'\nrig='"
                         << (folder / "rig.toml").string() << "'\n"
-                        << bin << "/strobe-sim run --scene zero_23 --no-digitizer --lcm-url '" << url
+                        << bin << "/strobe-sim run --time real --scene zero_23 --no-digitizer --lcm-url '" << url
                         << "' -- " << (strobed.empty() ? bin + "/strobed" : strobed.string())
                         << " --config $rig --session " << session << " --lcm-url '" << url
                         << "' --allow-no-rt &\nsim=$!\n"

@@ -43,7 +43,7 @@ TEST_GROUP(TetheredCamera) {
     auto created = sim::TetheredCamera::create(folder / "camera", scene, 4, exposure_store);
     if (!created) FAIL(created.error().message.c_str());
     tethered_camera = std::move(*created);
-    tethered_camera->start();
+    tethered_camera->start(true);
   }
   void stop() { CHECK_TRUE(tethered_camera->stop().has_value()); }
   /// That of the shot, its shutter just closed.
