@@ -26,7 +26,7 @@ TEST_GROUP(LiveBoots) {
   }
   void beat(std::int64_t boot_id) { beat(boot_id, to_ns(now)); }
   /// Heartbeats of both for so long; those in `answering` send what is asked for.
-  void run(double seconds, std::vector<std::int64_t> beating, std::vector<std::int64_t> answering) {
+  void beat_on(double seconds, std::vector<std::int64_t> beating, std::vector<std::int64_t> answering) {
     for (int turn = 0; turn < static_cast<int>(seconds * 10.0); ++turn) {
       now += milliseconds{100};
       for (const std::int64_t boot : beating)
@@ -45,13 +45,13 @@ TEST_GROUP(LiveBoots) {
 TEST(LiveBoots, OneRigIsArmedAfterTwoHeartbeatsHadTimeToComeFromAnother) {
   beat(0xa);
   STRCMP_CONTAINS("listening whether another rig has the name bench", problem().c_str());
-  run(1.5, {0xa}, {});
+  beat_on(1.5, {0xa}, {});
   CHECK_EQUAL("", problem());
   LONGS_EQUAL(0, asked_);
 }
 
 TEST(LiveBoots, TwoThatAnswerAreToldByNameBootAndAddressAndNothingIsArmed) {
-  run(5.0, {0xa, 0xb}, {0xa, 0xb});
+  beat_on(5.0, {0xa, 0xb}, {0xa, 0xb});
   CHECK_EQUAL(
       "2 rigs have the name bench: boot a at 10.0.0.1, boot b at 10.0.0.2; stop or rename all but one",
       problem());
@@ -63,51 +63,51 @@ TEST(LiveBoots, TwoThatAnswerAreToldByNameBootAndAddressAndNothingIsArmed) {
 }
 
 TEST(LiveBoots, ASecondOneCountsFromItsFirstHeartbeatUntilItIsKnownWhatItIs) {
-  run(2.0, {0xa}, {0xa});
+  beat_on(2.0, {0xa}, {0xa});
   beat(0xb);
   STRCMP_CONTAINS("2 rigs may have the name bench: boot a at 10.0.0.1, boot b at 10.0.0.2",
                   problem().c_str());
 }
 
 TEST(LiveBoots, ALogThatIsPlayedBackStopsTheShotsForThreeSecondsAtMost) {
-  run(2.0, {0xa}, {0xa});
-  run(3.0, {0xa, 0xb}, {0xa});
+  beat_on(2.0, {0xa}, {0xa});
+  beat_on(3.0, {0xa, 0xb}, {0xa});
   CHECK_EQUAL("", problem());
   const auto told = boots.take_notifications();
   LONGS_EQUAL(1, told.size());
   STRCMP_CONTAINS("boot b at 10.0.0.2 are heard beside others, and it does not answer", told[0].c_str());
   CHECK((boots.heard(now) == std::vector<std::int64_t>{0xa, 0xb}));  // a DISARM goes there, too
-  run(600.0, {0xa, 0xb}, {0xa});
+  beat_on(600.0, {0xa, 0xb}, {0xa});
   CHECK_EQUAL("", problem());
   CHECK(boots.take_notifications().empty());
 }
 
 TEST(LiveBoots, ARigThatHearsOnlyLaterCountsThen) {
-  run(10.0, {0xa, 0xb}, {0xa});
+  beat_on(10.0, {0xa, 0xb}, {0xa});
   CHECK_EQUAL("", problem());
-  run(12.0, {0xa, 0xb}, {0xa, 0xb});
+  beat_on(12.0, {0xa, 0xb}, {0xa, 0xb});
   STRCMP_CONTAINS("2 rigs have the name", problem().c_str());
 }
 
 TEST(LiveBoots, OneThatHasFallenSilentIsNoRig) {
-  run(5.0, {0xa, 0xb}, {0xa, 0xb});
-  run(3.5, {0xa}, {0xa});
+  beat_on(5.0, {0xa, 0xb}, {0xa, 0xb});
+  beat_on(3.5, {0xa}, {0xa});
   CHECK_EQUAL("", problem());
   CHECK((boots.heard(now) == std::vector<std::int64_t>{0xa}));
 }
 
 TEST(LiveBoots, OneStatusThatComesAgainAndAgainIsNoRig) {
-  run(2.0, {0xa}, {0xa});
+  beat_on(2.0, {0xa}, {0xa});
   beat(0xb, 5);
   for (int i = 0; i < 4; ++i) {
-    run(0.5, {0xa}, {0xa});
+    beat_on(0.5, {0xa}, {0xa});
     beat(0xb, 5);
   }
   CHECK_EQUAL("", problem());
 }
 
 TEST(LiveBoots, OneThatTheOtherListsAsEarlierIsNoRig) {
-  run(2.0, {0xb}, {0xb});
+  beat_on(2.0, {0xb}, {0xb});
   beat(0xa, to_ns(now), {0xb});
   beat(0xb);
   CHECK_EQUAL("", problem());
@@ -115,7 +115,7 @@ TEST(LiveBoots, OneThatTheOtherListsAsEarlierIsNoRig) {
 }
 
 TEST(LiveBoots, NoTwoAreAskedForTheSameEventAtOnce) {
-  run(2.0, {0xa}, {0xa});
+  beat_on(2.0, {0xa}, {0xa});
   for (int i = 0; i < 200; ++i) {
     now += milliseconds{500};
     beat(0xa, to_ns(now), {}, 2);
@@ -126,16 +126,16 @@ TEST(LiveBoots, NoTwoAreAskedForTheSameEventAtOnce) {
 }
 
 TEST(LiveBoots, OneThatAnswersNoMoreCountsNoMore) {
-  run(5.0, {0xa, 0xb}, {0xa, 0xb});
+  beat_on(5.0, {0xa, 0xb}, {0xa, 0xb});
   STRCMP_CONTAINS("2 rigs have the name", problem().c_str());
-  run(26.0, {0xa, 0xb}, {0xa});
+  beat_on(26.0, {0xa, 0xb}, {0xa});
   CHECK_EQUAL("", problem());
 }
 
 TEST(LiveBoots, AnEventThatNobodyAskedForIsNoAnswer) {
-  run(2.0, {0xa}, {0xa});
+  beat_on(2.0, {0xa}, {0xa});
   for (int i = 0; i < 100; ++i) {
-    run(0.1, {0xa, 0xb}, {0xa});
+    beat_on(0.1, {0xa, 0xb}, {0xa});
     boots.on_event(0xb, 2000 + i, now);
   }
   CHECK_EQUAL("", problem());
