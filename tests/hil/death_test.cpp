@@ -16,6 +16,7 @@
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/fake_service_manager.hpp"
+#include "tests/support/skip.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -27,6 +28,8 @@ using strobe::testing::monotonic_now_ns;
 
 namespace {
 
+/// What is judged here is how prompt strobed is.
+const std::vector<std::string> kRealTime{"--time", "real"};
 /// Of time in which the machine ran: a virtual one stands still for 10-170 ms in 1-2 % of the time.
 constexpr std::int64_t kAtOnce = kMs;
 /// Even so the outputs become safe within this.
@@ -135,6 +138,7 @@ void expect_whole_journal(const RigFixture& bench, const char* way) {
 RigFixtureOptions options_of(const Way& way) {
   RigFixtureOptions options;
   options.rig_edits = {{"lag_ms = 310", "lag_ms = 70"}};  // shots that begin soon; nobody looks at the ball
+  options.sim_options = kRealTime;
   if (way.chip == Chip::lets_go) options.scene_addition = "[chip]\non_release = \"input\"\n";
   if (*way.drill != '\0') options.strobed_options = {"--drill", way.drill};
   // What systemd does by ExecStopPost: the shell outlives both and runs --safe.
@@ -177,29 +181,29 @@ std::int64_t stood_still(const std::vector<Freeze>& by_begin, std::int64_t from_
   return sum;
 }
 
-/// Whether it was in time; else as little late as a standstill may be that the witness missed.
-bool inactive_in_time(const Way& way, std::int64_t death, std::int64_t safe,
-                      const std::vector<Freeze>& freezes) {
+/// How many standstills that the witness may have missed explain when it was: 0 if it was in time, more than there may
+/// be if it was later than one lasts.
+int late_for(const Way& way, std::int64_t death, std::int64_t safe, const std::vector<Freeze>& freezes) {
   CHECK_TEXT(safe != INT64_MAX, way.name);
   const std::int64_t took = safe - death, still = stood_still(freezes, death, safe);
   std::printf("%s: outputs inactive after %.3f ms, in %.3f of which the machine stood still\n", way.name,
               in_ms(took), in_ms(still));
-  CHECK_TEXT(took < std::max(kSafeAtAllNs, way.safe_within_ns), way.name);
-  CHECK_TEXT(took - still <= way.safe_within_ns + kUnseenNs, way.name);
-  return took - still <= way.safe_within_ns;
+  if (took >= std::max(kSafeAtAllNs, way.safe_within_ns) || took - still > way.safe_within_ns + kUnseenNs)
+    return kUnseen + 1;
+  return took - still <= way.safe_within_ns ? 0 : 1;
 }
 
-/// Whether it came in time.
-bool ends_well(RigFixture& bench, const Way& way, std::int64_t death, const std::vector<Freeze>& freezes) {
+/// As late_for().
+int late_at_end(RigFixture& bench, const Way& way, std::int64_t death, const std::vector<Freeze>& freezes) {
   const LineChanges changes = bench.changes();
   for (const char* output : {"SHUTTER", "TRIGGER"})
     LONGS_EQUAL_TEXT(0, changes.rises(output, death), way.name);
   CHECK_TEXT(bench.log().find(way.said) != std::string::npos, (way.name + (":\n" + bench.log())).c_str());
   expect_whole_journal(bench, way.name);
   const std::int64_t safe = changes.outputs_safe_from(death);
-  if (!way.stays_active) return inactive_in_time(way, death, safe, freezes);
+  if (!way.stays_active) return late_for(way, death, safe, freezes);
   CHECK_TEXT(safe == INT64_MAX, way.name);
-  return true;
+  return 0;
 }
 
 struct Trial {
@@ -217,8 +221,12 @@ void wait_for_the_end(Trial& trial) {
   CHECK_TEXT(strobe::testing::wait_until(gone, kLongestWait), trial.way->name);
 }
 
-/// How many were late.
-int try_together(std::span<const Way> tried) {
+struct Lateness {
+  int late = 0;
+  bool frozen = false;  ///< the machine stood still too often to judge by
+};
+
+Lateness try_together(std::span<const Way> tried) {
   std::vector<Trial> trials;
   for (const Way& way : tried) {
     auto bench = std::make_unique<RigFixture>(options_of(way));
@@ -230,20 +238,20 @@ int try_together(std::span<const Way> tried) {
     trial.worker = trial.bench->worker();
   }
   FreezeDetector witness(kWitnessPriority);
+  const std::int64_t begin_ns = monotonic_now_ns();
   for (Trial& trial : trials) trial.death = do_in_mid_train(*trial.bench, *trial.host, *trial.way);
   for (Trial& trial : trials) wait_for_the_end(trial);
   const std::vector<Freeze> freezes = witness.stop();
-  int late = 0;
-  for (Trial& trial : trials)
-    if (!ends_well(*trial.bench, *trial.way, trial.death, freezes)) ++late;
-  return late;
+  Lateness all{0, stands_still_often(freezes, strobe::Duration{monotonic_now_ns() - begin_ns})};
+  for (Trial& trial : trials) all.late += late_at_end(*trial.bench, *trial.way, trial.death, freezes);
+  return all;
 }
 
 /// A guardian that stands still for good, while other benches are at work: nothing to see before 5 s are
 /// over.
 class StandingGuardian {
  public:
-  StandingGuardian() {
+  StandingGuardian() : bench_(options()) {
     expect_ready(bench_);
     guardian_ = bench_.guardian();
     worker_ = bench_.worker();
@@ -259,6 +267,12 @@ class StandingGuardian {
   }
 
  private:
+  static RigFixtureOptions options() {
+    RigFixtureOptions options;
+    options.sim_options = kRealTime;
+    return options;
+  }
+
   RigFixture bench_;
   pid_t guardian_ = 0, worker_ = 0;
 };
@@ -270,11 +284,15 @@ TEST_GROUP(Death){};
 TEST(Death, LeavesTheOutputsInactiveHoweverItComes) {
   StandingGuardian standing;
   const std::span<const Way> all(ways());
-  int late = 0;
-  for (std::size_t begin = 0; begin < all.size(); begin += kAtATime)
-    late += try_together(all.subspan(begin, std::min(kAtATime, all.size() - begin)));
-  CHECK_TEXT(late <= kUnseen, std::to_string(late).c_str());
+  Lateness sum;
+  for (std::size_t begin = 0; begin < all.size(); begin += kAtATime) {
+    const Lateness some = try_together(all.subspan(begin, std::min(kAtATime, all.size() - begin)));
+    sum = {sum.late + some.late, sum.frozen || some.frozen};
+  }
   standing.expect_that_the_worker_stopped();
+  if (sum.late > kUnseen && sum.frozen)
+    return strobe::testing::skip("the machine stood still too often to judge a millisecond by");
+  CHECK_TEXT(sum.late <= kUnseen, std::to_string(sum.late).c_str());
 }
 
 TEST(Death, FollowsTheLossOfTheChipThoughNothingIsFired) {
@@ -314,6 +332,7 @@ TEST(Death, DoesNotBefallAWorkerThatStandsStillWhileNoShotIsUnderWay) {
   strobe::testing::FakeServiceManager manager((folder / "notify").string());
   RigFixtureOptions options;
   options.environment = {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "2000000"}};
+  options.sim_options = kRealTime;  // rig time waits for a loop that stands still
   RigFixture bench(options);
   expect_ready(bench);
   RawHost host(bench.lcm_url(), "bench");

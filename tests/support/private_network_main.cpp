@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "tests/support/private_network.hpp"
+#include "tests/support/skip.hpp"
 
 #include <CppUTest/CommandLineTestRunner.h>
 #include <CppUTest/TestHarness.h>
@@ -42,5 +43,5 @@ int main(int argc, char** argv) {
     if (attempt > 0) std::puts("once more:");
     failed = run_tests(argc, argv);
   }
-  return failed;
+  return strobe::testing::exit_status(failed);
 }

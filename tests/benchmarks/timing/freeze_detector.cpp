@@ -136,6 +136,12 @@ std::string freezes_in_words(const std::vector<Freeze>& freezes, FreezeDetector:
          std::to_string(longest / milliseconds(1)) + " ms";
 }
 
+bool stands_still_often(const std::vector<Freeze>& freezes, Duration watched) {
+  Duration sum{};
+  for (const Freeze& freeze : freezes) sum = sum + (freeze.end - freeze.begin);
+  return sum * 100 >= watched * static_cast<std::int64_t>(std::thread::hardware_concurrency());
+}
+
 bool within_freeze(const std::vector<Freeze>& freezes, MonoTime from, MonoTime to, int cpu) {
   return std::any_of(freezes.begin(), freezes.end(), [&](const Freeze& freeze) {
     return (cpu < 0 || cpu == freeze.cpu) && freeze.begin <= to && from <= freeze.end;

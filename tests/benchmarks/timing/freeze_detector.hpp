@@ -85,6 +85,9 @@ class FreezeDetector {
 /// "120 stops of a core, 793 ms in all, longest 40 ms": `by` tells what they were seen by.
 std::string freezes_in_words(const std::vector<Freeze>& freezes, FreezeDetector::Method by);
 
+/// Whether a core stood still for a hundredth of that time and more: such a machine gives no real time to judge by.
+bool stands_still_often(const std::vector<Freeze>& freezes, Duration watched);
+
 /// Whether the span [from, to] touches a freeze of that core; cpu -1: of any.
 bool within_freeze(const std::vector<Freeze>& freezes, MonoTime from, MonoTime to, int cpu = -1);
 
