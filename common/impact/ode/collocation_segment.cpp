@@ -8,18 +8,23 @@ struct Integrals {
   double couple = 0.0, cosine = 0.0, sine = 0.0;
 };
 
-/// Of the three polynomials from the segment's start to the share `c` of it.
+/// Of the polynomials from the segment's start to the share `c` of it: of all three only where it grips, a slipping one
+/// has no others.
 Integrals integrals(const Segment& segment, double c) {
   const double t = 2.0 * c - 1.0;
-  Integrals sum{segment.couple[0] * c, segment.cosine[0] * c, segment.sine[0] * c};
+  const bool grips = segment.mode == ContactMode::grips;
+  Integrals sum{segment.couple[0] * c, grips ? segment.cosine[0] * c : 0.0,
+                grips ? segment.sine[0] * c : 0.0};
   double before = 1.0, at = t;
   for (std::size_t k = 1; k < segment.nodes; ++k) {
     const auto degree = static_cast<double>(k);
     const double next = ((2.0 * degree + 1.0) * t * at - degree * before) / (degree + 1.0);
     const double integral = (next - before) / (2.0 * (2.0 * degree + 1.0));
     sum.couple += segment.couple[k] * integral;
-    sum.cosine += segment.cosine[k] * integral;
-    sum.sine += segment.sine[k] * integral;
+    if (grips) {
+      sum.cosine += segment.cosine[k] * integral;
+      sum.sine += segment.sine[k] * integral;
+    }
     before = at;
     at = next;
   }
