@@ -124,6 +124,12 @@ std::int64_t RawHost::arm(std::chrono::milliseconds limit) {
   const auto given = [&] {
     return status_.arm_host_id == host_id_ && status_.arm_token != 0 && status_.arm_token != earlier;
   };
+  const auto stopped = [&] { return status_.state == strobe_msgs::status_t::STOPPED; };
+  if (!wait([&] { return given() || stopped(); }, limit)) return 0;
+  if (given()) return status_.arm_token;
+  // Word of the stop came after the command.
+  if (!reset()) return 0;
+  send(command(strobe_msgs::command_t::ARM));
   return wait(given, limit) ? status_.arm_token : 0;
 }
 

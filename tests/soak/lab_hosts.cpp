@@ -12,7 +12,7 @@ namespace {
 constexpr Duration kHostTurn = milliseconds(20);
 constexpr Duration kHostBatch = milliseconds(1);
 constexpr std::size_t kOldCommands = 64;
-constexpr int kMostCommands = 300;  // that an operator gives before he gives up
+constexpr int kMaxCommands = 300;  // that an operator gives before he gives up
 constexpr std::string_view kConfirmed = "disarmed: the firmware confirms it";
 
 }  // namespace
@@ -110,7 +110,7 @@ void Lab::judge_series() {
   if (!host_.process) return;
   const VirtualHost& process = *host_.process;
   const bool enough = process.series().succeeded();
-  if (!process.firing() && !hazards_stopped_ && (enough || counts_.acts >= kMostCommands)) {
+  if (!process.firing() && !hazards_stopped_ && (enough || counts_.acts >= kMaxCommands)) {
     if (!enough) ++counts_.unfinished;
     stop_hazards();
   }

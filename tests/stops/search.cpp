@@ -13,7 +13,7 @@ namespace strobe::stops {
 
 namespace {
 
-constexpr std::uint32_t kMostStates = 4'000'000;
+constexpr std::uint32_t kMaxStates = 4'000'000;
 
 struct KeyHash {
   std::size_t operator()(const Key& key) const {
@@ -36,7 +36,7 @@ class Search {
   Found run() {
     const auto begin = std::chrono::steady_clock::now();
     for (std::uint32_t place = 0; !open_.empty() && found_.wrong.empty(); ++place) {
-      if (place > kMostStates) found_.wrong = "MORE STATES THAN EXPECTED";
+      if (place > kMaxStates) found_.wrong = "MORE STATES THAN EXPECTED";
       expand(open_.front(), place);
       open_.pop_front();
     }
