@@ -273,7 +273,8 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page, GpioO
     sleep.turn(state == State::armed || state == State::firing, clock.now());
   };
   Publisher publisher(rig, settings, queue, mailbox, *journal, bus, clock);
-  Receiver receiver(rig, boot_id, options.key.value(), commands, mailbox, rejections, system_boot_time_ns);
+  Receiver receiver(rig, boot_id, options.key.value(), commands, mailbox, rejections, system_boot_time_ns,
+                    random_id, &page.host_heard_ns);
   const CommandFeed::Handlers on_command{
       [&receiver](std::span<const std::uint8_t> sealed) { receiver.receive(sealed); },
       [&rejections] { rejections.note(authentication::Rejection::oversized); },

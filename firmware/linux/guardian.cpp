@@ -41,6 +41,8 @@ constexpr int kAlarmEvery_ms = 400;
 constexpr Duration kTimeToStop = milliseconds(15'000);  // a slow disk may keep the journal's last lines
 // for a worker that was asked to stop since its publisher hangs
 constexpr Duration kGrace = milliseconds(1000);
+constexpr Duration kWordsEvery =
+    milliseconds(10'000);  // the service manager hears when a host was last heard
 
 GpioOutputs* outputs_at_fault = nullptr;
 
@@ -131,7 +133,7 @@ class Guardian {
     if (page_.ready && !said_ready_) {
       said_ready_ = true;
       start_loop_watch();
-      service_.say("READY=1\nSTATUS=ready");
+      service_.say("READY=1\nSTATUS=" + ready_words());
     }
   }
 
@@ -162,7 +164,10 @@ class Guardian {
         watched ? watchdog_.check(marks, now, current_core_ >= 0) : Watchdog::Verdict::healthy;
     move_to_loop_core(watched && real_time_ && watchdog_.suspect() ? page_.loop_cpu.load() : kAnywhere);
     tell_of_standstill(verdict == Watchdog::Verdict::loop_stands_still, marks.loop, now);
-    if (verdict == Watchdog::Verdict::healthy) return beat(now);
+    if (verdict == Watchdog::Verdict::healthy) {
+      tell_of_hosts(now);
+      return beat(now);
+    }
     if (verdict != Watchdog::Verdict::loop_stands_still) end_hung_worker(verdict, now);
   }
 
@@ -183,7 +188,21 @@ class Guardian {
       words = "the loop turns again after " + std::to_string((now - still_since_) / milliseconds(1)) + " ms";
     still_since_ = stands_still ? last_turn : kNoTime;
     console_.say(words);
-    service_.say("STATUS=" + (stands_still ? words : "ready"));
+    service_.say("STATUS=" + (stands_still ? words : ready_words()));
+  }
+
+  /// A network that lets status out but no command in shows here.
+  std::string ready_words() {
+    const std::int64_t heard_ns = page_.host_heard_ns;
+    if (heard_ns == 0) return "ready, no host heard yet";
+    const Duration since = clock_.now().time_since_epoch() + clock_.suspended() - Duration{heard_ns};
+    return "ready, a host heard " + std::to_string(since / milliseconds(1000)) + " s ago";
+  }
+
+  void tell_of_hosts(MonoTime now) {
+    if (!said_ready_ || now < next_words_) return;
+    service_.say("STATUS=" + ready_words());
+    next_words_ = now + kWordsEvery;
   }
 
   /// On the core that the loop ran on last: what keeps the loop from turning there keeps the guardian, too,
@@ -286,6 +305,7 @@ class Guardian {
   MonoTime kill_at_ = kNoTime;      ///< however well it seems
   MonoTime still_since_ = kNoTime;  ///< the loop's last turn, if it stands still
   MonoTime next_beat_{};
+  MonoTime next_words_{};
   bool real_time_ = false;
   cpu_set_t anywhere_{};
   int current_core_ = kAnywhere;

@@ -25,6 +25,7 @@ struct SharedStatus {
   std::atomic<int> loop_cpu{-1};                   ///< the CPU it ran on
   std::atomic<std::int64_t> publisher_heartbeat_ns{0};
   std::atomic<std::int64_t> guardian_heartbeat_ns{0};
+  std::atomic<std::int64_t> host_heard_ns{0};  ///< CLOCK_BOOTTIME of a host's newest command; 0: none yet
   int event_fd = -1;       ///< an eventfd; set before the fork
   pid_t guardian_pid = 0;  ///< set before the fork
 

@@ -103,7 +103,8 @@ std::string find_age(const strobe_msgs::command_t& command, std::int64_t boot_ti
 
 Receiver::Receiver(const Rig& rig, std::int64_t boot_id, const authentication::Key& key,
                    CommandQueue& commands, Mailbox& mailbox, Rejections& rejections,
-                   std::function<std::int64_t()> boot_time_ns, std::function<std::int64_t()> draw_token)
+                   std::function<std::int64_t()> boot_time_ns, std::function<std::int64_t()> draw_token,
+                   std::atomic<std::int64_t>* heard_ns)
     : rig_(rig),
       boot_id_(boot_id),
       key_(key),
@@ -111,7 +112,8 @@ Receiver::Receiver(const Rig& rig, std::int64_t boot_id, const authentication::K
       mailbox_(mailbox),
       rejections_(rejections),
       boot_time_ns_(std::move(boot_time_ns)),
-      draw_token_(std::move(draw_token)) {}
+      draw_token_(std::move(draw_token)),
+      heard_ns_(heard_ns) {}
 
 void Receiver::receive(std::span<const std::uint8_t> sealed) noexcept {
   try {
@@ -136,6 +138,7 @@ void Receiver::dispatch(const strobe_msgs::command_t& message) {
   if (message.kind < strobe_msgs::command_t::ARM || message.kind > strobe_msgs::command_t::RESET)
     return rejections_.note(Rejection::malformed);
   if (!filter_.is_new(message.host_id, message.command_id)) return rejections_.note(Rejection::replayed);
+  if (heard_ns_ != nullptr) *heard_ns_ = boot_time_ns_();
   std::string defect = find_defect(message, rig_);
   if (defect.empty()) defect = find_age(message, boot_time_ns_());
   if (message.kind == strobe_msgs::command_t::RESEND) {

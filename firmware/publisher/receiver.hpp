@@ -3,6 +3,7 @@
 // others are counted and ignored. On a thread of its own, without real-time rights.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -62,10 +63,12 @@ std::int64_t random_id();
 
 class Receiver {
  public:
-  /// boot_time_ns: reads CLOCK_BOOTTIME. draw_token: returns a new arm token, not 0.
+  /// boot_time_ns: reads CLOCK_BOOTTIME. draw_token: returns a new arm token, not 0. heard_ns: set to the boot time
+  /// at which a host was last heard.
   Receiver(const Rig& rig, std::int64_t boot_id, const authentication::Key& key, CommandQueue& commands,
            Mailbox& mailbox, Rejections& rejections, std::function<std::int64_t()> boot_time_ns,
-           std::function<std::int64_t()> draw_token = random_id);
+           std::function<std::int64_t()> draw_token = random_id,
+           std::atomic<std::int64_t>* heard_ns = nullptr);
 
   /// One message of the command channel as received. Never throws.
   void receive(std::span<const std::uint8_t> sealed) noexcept;
@@ -82,6 +85,7 @@ class Receiver {
   Rejections& rejections_;
   std::function<std::int64_t()> boot_time_ns_;
   std::function<std::int64_t()> draw_token_;
+  std::atomic<std::int64_t>* heard_ns_;
   RepetitionFilter filter_;
 };
 

@@ -7,7 +7,9 @@
 #include "tests/hil/expect_ready.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/support/fake_service_manager.hpp"
 #include "tests/support/private_network.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 #include "tests/support/string_from.hpp"
 
@@ -104,4 +106,22 @@ TEST(TwoRigs, OfOneNameAreToldByBootAndAddressAndNoneIsArmed) {
     CHECK_FALSE(journalled(*rig, event_t::ARMED));
     LONGS_EQUAL(0, rig->finish().rises("TRIGGER"));
   }
+}
+
+TEST(Network, TheServiceManagerIsToldWhenAHostWasLastHeard) {
+  strobe::testing::TemporaryFolder folder;
+  strobe::testing::FakeServiceManager manager((folder / "notify").string());
+  RigFixtureOptions options;
+  options.environment = {{"NOTIFY_SOCKET", manager.path()}};
+  RigFixture bench(options);
+  expect_ready(bench);
+  const auto hears = [&manager](const char* words) {
+    return strobe::testing::wait_until([&] { return manager.count(words) > 0; }, kLongestWait);
+  };
+  CHECK(hears("STATUS=ready, no host heard yet"));
+  CHECK_EQUAL(0, manager.count("STATUS=ready, a host heard"));
+  RawHost host(bench.lcm_url(), "bench");
+  CHECK(host.wait_status());
+  CHECK(host.arm() != 0);
+  CHECK(hears("STATUS=ready, a host heard"));
 }

@@ -67,8 +67,8 @@ TEST(VirtualLab, FiresNothingBetweenAStopAndTheNextActOfAPerson) {
   FaultPlan plan = stop_faults();
   plan.packet_loss = plan[Hazard::network_outage] = 0.0;
   plan[Hazard::firmware_kill] = plan[Hazard::firmware_stop] = 0.0;
-  const SoakCounts counts = run_lab(plan, PlanKind::brief, 12);
-  CHECK(counts.stops_reached > 100);  // 253 by g++, 183 by clang, whose last digits are others
+  const SoakCounts counts = run_lab(plan, PlanKind::brief, 20);
+  CHECK(counts.stops_reached > 200);  // compilers' last digits lead to some 420 or 300
   CHECK(counts.acts > counts.stops_reached / 2);
   CHECK(counts.triggers > 100);
   CHECK(counts.stops_asked > 80);
