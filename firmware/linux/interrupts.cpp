@@ -13,7 +13,7 @@ std::string folder_of(int number) { return "proc/irq/" + std::to_string(number);
 
 std::string affinity_file(int number) { return folder_of(number) + "/smp_affinity_list"; }
 
-bool is_number(const std::string& text) {
+bool is_irq(const std::string& text) {
   return !text.empty() &&
          std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
 }
@@ -34,7 +34,7 @@ std::string users_of(int number, const SystemFiles& files) {
 std::vector<Interrupt> read_interrupts(const SystemFiles& files) {
   std::vector<Interrupt> all;
   for (const std::string& entry : files.list("proc/irq")) {
-    if (!is_number(entry)) continue;
+    if (!is_irq(entry)) continue;
     Interrupt interrupt;
     interrupt.number = std::atoi(entry.c_str());
     const auto list = files.read(affinity_file(interrupt.number));

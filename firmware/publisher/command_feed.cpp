@@ -13,7 +13,7 @@ namespace strobe::firmware {
 namespace {
 
 constexpr int kTurn_ms = 100;
-constexpr int kBatch = 256;  // datagrams between two looks at the clock and at the wish to stop
+constexpr int kDatagramsAtOnce = 256;  // datagrams between two looks at the clock and at the wish to stop
 
 class UdpFeed final : public CommandFeed {
  public:
@@ -26,7 +26,7 @@ class UdpFeed final : public CommandFeed {
       if (poll(&readable, 1, kTurn_ms) < 0 && errno != EINTR)
         throw std::runtime_error(std::string("commands cannot be received any more: ") +
                                  std::strerror(errno));
-      for (int i = 0; i < kBatch && take_one(handlers); ++i) {
+      for (int i = 0; i < kDatagramsAtOnce && take_one(handlers); ++i) {
       }
       socket_.stay_joined();
       handlers.turn();

@@ -16,15 +16,15 @@ namespace strobe::firmware {
 
 namespace {
 
-constexpr const char* kName = "starts";
-constexpr std::int64_t kEnd_bytes = std::int64_t{64} << 10;
+constexpr const char* kFile = "starts";
+constexpr std::int64_t kTail_bytes = std::int64_t{64} << 10;
 
 }  // namespace
 
 StartOrder::StartOrder(const std::filesystem::path& dir) {
-  std::ifstream file(dir / kName, std::ios::binary | std::ios::ate);
+  std::ifstream file(dir / kFile, std::ios::binary | std::ios::ate);
   if (!file) return;
-  file.seekg(std::max<std::int64_t>(file.tellg() - kEnd_bytes, 0));
+  file.seekg(std::max<std::int64_t>(file.tellg() - kTail_bytes, 0));
   for (std::string line; std::getline(file, line);) {
     std::uint64_t boot_id = 0;
     const char* const end = line.data() + line.size();
@@ -40,7 +40,7 @@ std::size_t StartOrder::position(std::int64_t boot_id) const {
 }
 
 Result<void> StartOrder::add(const std::filesystem::path& dir, std::int64_t boot_id) {
-  const std::filesystem::path path = dir / kName;
+  const std::filesystem::path path = dir / kFile;
   const auto failed = [&path] {
     return fail(path.string() + ": this start cannot be listed: " + std::strerror(errno));
   };
