@@ -30,6 +30,7 @@ struct ShotOptions {
   std::string edit_file;  ///< empty: none
   bool undo_edit = false;
   std::string overlay;  ///< empty: none
+  bool explain = false;
   bool budget = false;
   bool json = false;
 
@@ -49,7 +50,7 @@ Result<void> draw(const ShotOptions& options, const StoredSession& session, cons
   const auto measured = redigitize_newest(session, shot);
   if (!measured) return tl::unexpected(measured.error());
   return digitize::write_overlay(options.overlay, measured->photograph, measured->settings.map,
-                                 measured->found);
+                                 measured->found, {.rejected = options.explain});
 }
 
 /// For a program one object; for a person a table for each essential number.
@@ -127,8 +128,10 @@ void add_shot_command(CLI::App& app, int& exit_status) {
       ->add_flag("--undo-edit", options->undo_edit,
                  "take the newest correction back; the one before it counts again")
       ->excludes(edit);
-  command->add_option("--overlay", options->overlay,
-                      "draw what was found on the photograph, as a PNG, TIFF or JPEG file");
+  CLI::Option* overlay = command->add_option(
+      "--overlay", options->overlay, "draw what was found on the photograph, as a PNG, TIFF or JPEG file");
+  command->add_flag("--explain", options->explain, "draw what was rejected, too, with the reason")
+      ->needs(overlay);
   command->add_option("--estimator", options->estimator, "best (default), two-point or legacy")
       ->check(CLI::IsMember({"best", "two-point", "legacy"}));
   command->add_option("--noise", options->noise, "as of strobe reduce: stated (default) or residuals")
@@ -144,7 +147,7 @@ void add_shot_command(CLI::App& app, int& exit_status) {
       "          strobe shot run1 3 --overlay shot3.png\n"
       "          strobe shot run1 3 --edit corrections.toml\n"
       "Exit status: 2 if there is no such shot, or it cannot be done.");
-  command_line::for_experts(*command, {"--noise", "--budget", "--rig", "--key-file"});
+  command_line::for_experts(*command, {"--noise", "--budget", "--explain", "--rig", "--key-file"});
   command->callback([options, &exit_status] { exit_status = run_shot(*options); });
 }
 

@@ -291,6 +291,23 @@ TEST(ReadSession, ReadsALogUpToWhereItIsDamaged) {
   CHECK_TRUE(told(session, "bytes cannot be read as messages"));
 }
 
+TEST(ReadSession, AsksForNoDigitizingOfAnAbortedShot) {
+  auto run = begin(5, 0);
+  for (const int shot : {1, 2}) {
+    run->arm_and_fire();
+    run->started(shot);
+    run->ended(shot);
+    run->summary(shot, WrittenRun::kBoot, 0, 1, shot == 1 ? "a late flash" : "");
+  }
+  run.reset();
+  fs::create_directory(folder / "photographs");
+  for (const char* name : {"shot-0001-a.tif", "shot-0002-b.tif"})
+    testing::write_text(folder / "photographs" / name, "x");
+  const StoredSession session = read();
+  CHECK_TRUE_TEXT(told(session, "the photograph of shot 2 was never digitized; strobe replay "),
+                  all_remarks(session).c_str());
+}
+
 TEST(ReadSession, FindsPhotographsByTheFrameOrByTheirNames) {
   auto run = begin(5, 0);
   run->shot(1, "photographs/shot-0001-a.tif");

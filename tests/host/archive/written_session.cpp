@@ -83,7 +83,8 @@ void WrittenRun::started(int shot_id, std::int64_t boot_id, std::int64_t by_host
 void WrittenRun::flash(int shot_id, std::int64_t boot_id) { event(event_t::FLASH, shot_id, boot_id); }
 void WrittenRun::ended(int shot_id, std::int64_t boot_id) { event(event_t::SHOT_ENDED, shot_id, boot_id); }
 
-void WrittenRun::summary(int shot_id, std::int64_t boot_id, std::int64_t by_host, std::uint32_t seed) {
+void WrittenRun::summary(int shot_id, std::int64_t boot_id, std::int64_t by_host, std::uint32_t seed,
+                         const std::string& abort_reason) {
   Scenario scenario;
   scenario.seed = seed;
   auto shot = make_shot(scenario).shot;
@@ -92,6 +93,8 @@ void WrittenRun::summary(int shot_id, std::int64_t boot_id, std::int64_t by_host
   shot.host_id = by_host == 0 ? host_id_ : by_host;
   shot.first_sequence = first_sequence_;
   shot.last_sequence = sequence;
+  shot.aborted = !abort_reason.empty();
+  shot.abort_reason = abort_reason;
   log(Channel::shot, shot);
 }
 

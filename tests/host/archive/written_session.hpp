@@ -35,7 +35,8 @@ class WrittenRun {
   void flash(int shot_id, std::int64_t boot_id = kBoot);
   void ended(int shot_id, std::int64_t boot_id = kBoot);
   /// With the events that were sent for it since started().
-  void summary(int shot_id, std::int64_t boot_id = kBoot, std::int64_t by_host = 0, std::uint32_t seed = 1);
+  void summary(int shot_id, std::int64_t boot_id = kBoot, std::int64_t by_host = 0, std::uint32_t seed = 1,
+               const std::string& abort_reason = {});
   void frame(int shot_id, std::int64_t boot_id = kBoot, const std::string& photograph = "",
              std::uint32_t seed = 1);
   /// All of a shot, one after the other.

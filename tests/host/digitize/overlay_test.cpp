@@ -81,13 +81,13 @@ TEST(Overlay, DrawsEachOutlineWhereItIsAndInAColourOfItsOwn) {
   CHECK(is_grey(most_colour(picture, 260.0, 100.0)));
 }
 
-TEST(Overlay, DrawsWhatWasRejectedUnlessToldNotTo) {
+TEST(Overlay, DrawsWhatWasRejectedOnlyWhereAskedTo) {
   Digitization digitization;
   digitization.unmeasured.push_back({{160.0, 120.0}, 80.0, "image", {Reason::off_path, ""}});
-  const cv::Vec3b there = most_colour(draw_overlay(grey_photograph(), map, digitization), 160.0, 160.0);
+  const cv::Vec3b there =
+      most_colour(draw_overlay(grey_photograph(), map, digitization, {.rejected = true}), 160.0, 160.0);
   CHECK(there[2] > there[0] + 50);
-  CHECK(is_grey(
-      most_colour(draw_overlay(grey_photograph(), map, digitization, {.rejected = false}), 160.0, 160.0)));
+  CHECK(is_grey(most_colour(draw_overlay(grey_photograph(), map, digitization), 160.0, 160.0)));
 }
 
 TEST(Overlay, OfALargePhotographIsMadeSmaller) {
