@@ -32,10 +32,6 @@ ChipNode look_at(const std::string& path) {
   return {path, info.label, error};
 }
 
-bool is_number(const std::string& text) {
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-}
-
 std::string listed(const std::vector<ChipNode>& nodes) {
   std::string text;
   bool forbidden = false;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "firmware/linux/gpio_chip.hpp"
+#include "firmware/linux/system_files.hpp"
 
 namespace strobe::firmware {
 
@@ -48,10 +49,6 @@ std::vector<std::string> chip_paths() {
   }
   std::free(entries);
   return paths;
-}
-
-bool is_number(const std::string& text) {
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
 ChipHandle open_labelled(const std::string& label) {

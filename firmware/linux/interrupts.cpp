@@ -1,8 +1,5 @@
 #include "firmware/linux/interrupts.hpp"
 
-#include <algorithm>
-#include <cctype>
-
 namespace strobe::firmware {
 
 namespace {
@@ -12,11 +9,6 @@ const std::string kNewcomers = "proc/irq/default_smp_affinity";
 std::string folder_of(int number) { return "proc/irq/" + std::to_string(number); }
 
 std::string affinity_file(int number) { return folder_of(number) + "/smp_affinity_list"; }
-
-bool is_irq(const std::string& text) {
-  return !text.empty() &&
-         std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
-}
 
 std::string users_of(int number, const SystemFiles& files) {
   if (auto actions = files.read("sys/kernel/irq/" + std::to_string(number) + "/actions");
@@ -34,7 +26,7 @@ std::string users_of(int number, const SystemFiles& files) {
 std::vector<Interrupt> read_interrupts(const SystemFiles& files) {
   std::vector<Interrupt> all;
   for (const std::string& entry : files.list("proc/irq")) {
-    if (!is_irq(entry)) continue;
+    if (!is_number(entry)) continue;
     Interrupt interrupt;
     interrupt.number = std::atoi(entry.c_str());
     const auto list = files.read(affinity_file(interrupt.number));

@@ -30,8 +30,14 @@ class SystemFiles {
   std::filesystem::path root_;
 };
 
+/// Whether it is digits only, as the kernel numbers chips and interrupts.
+inline bool is_number(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
 /// "0-2,5" as {0, 1, 2, 5}, as the kernel writes lists of CPUs; malformed parts are skipped.
 std::set<int> parse_cpu_list(const std::string& list);
+
 /// The reverse: {0, 1, 2, 5} as "0-2,5".
 std::string format_cpu_list(const std::set<int>& cpus);
 /// "1,00000003" as {0, 1, 32}, as the kernel writes masks: hexadecimal, 32 CPUs a group; empty if malformed.

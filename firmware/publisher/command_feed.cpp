@@ -13,7 +13,7 @@ namespace strobe::firmware {
 namespace {
 
 constexpr int kTurn_ms = 100;
-constexpr int kDatagramsAtOnce = 256;  // datagrams between two looks at the clock and at the wish to stop
+constexpr int kDatagramsAtOnce = 256;  // between two looks at the clock and at the wish to stop
 
 class UdpFeed final : public CommandFeed {
  public:

@@ -47,7 +47,7 @@ bool never_digitized(const StoredShot& shot) {
 std::optional<std::string> never_digitized_remark(const StoredSession& session) {
   std::vector<std::string> names;
   for (const StoredShot& shot : session.shots)
-    if (never_digitized(shot) && !shot.summary->aborted) names.push_back(shot.name);  // an aborted one measures nothing
+    if (never_digitized(shot) && !shot.summary->aborted) names.push_back(shot.name);
   if (names.empty()) return std::nullopt;
   return fmt::format("the photograph{} of shot{} {} {} never digitized; strobe replay {} --complete does it",
                      names.size() == 1 ? "" : "s", names.size() == 1 ? "" : "s", fmt::join(names, ", "),

@@ -22,7 +22,8 @@ ShotResult without_photograph(const StoredShot& shot);
 
 /// Whether its photograph is kept and was never digitized: the host ended before.
 bool never_digitized(const StoredShot& shot);
-/// Of the session's shots to which that happened, with the command that mends it; nullopt: there are none.
+/// Of the session's shots to which that happened, with the command that mends it; nullopt: there are none. Aborted
+/// shots, whose photographs measure nothing, are not told.
 std::optional<std::string> never_digitized_remark(const StoredSession& session);
 
 }  // namespace strobe::host

@@ -27,6 +27,10 @@ TEST(SystemFiles, ListsNumbersByTheirValue) {
   CHECK_EQUAL((std::vector<std::string>{"3", "24", "100"}), files.list("proc/irq"));
 }
 
+TEST(SystemFiles, ANumberIsDigitsOnly) {
+  CHECK_TRUE(is_number("024"));
+  for (const char* other : {"", "-1", "1-2", "gpiochip0", " 1"}) CHECK_FALSE(is_number(other));
+}
 TEST(SystemFiles, TellsWhatTheOwnerMayWriteEvenToRoot) {
   tree.fixed_interrupt(30, "disk", "0");
   CHECK_TRUE(files.owner_may_write("proc/irq/24/smp_affinity_list"));

@@ -1,5 +1,5 @@
-// Draws a digitization on its photograph for inspection: outlines by leg, equator lines, numbers and times,
-// the surface line, and, where asked, what was rejected, with the reason. Deterministic; thread-safe; allocates.
+// Draws a digitization on its photograph for inspection: outlines by leg, equator lines, numbers and times, the
+// surface line, and where asked what was rejected, with the reason. Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@
 namespace strobe::digitize {
 
 struct OverlaySettings {
-  bool rejected = false;  ///< draw these too
+  bool rejected = false;  ///< draw what was rejected, too, with the reason
   /// Larger photographs are downsampled.
   int longest_side_px = 4096;
 };

@@ -39,7 +39,8 @@ Result<Picture> overlay_picture(const host::StoredSession& session, const host::
     if (!frame) return fail("The measurement cannot be shown: " + frame.error().message + ".");
     found.frame = *std::move(frame);
   }
-  const cv::Mat drawn = digitize::draw_overlay(*photograph, settings->map, found, {.longest_side_px = longest_side_px});
+  const cv::Mat drawn =
+      digitize::draw_overlay(*photograph, settings->map, found, {.longest_side_px = longest_side_px});
   cv::Mat colours;
   cv::cvtColor(drawn, colours, cv::COLOR_BGR2RGB);
   auto jpeg = image::encode_jpeg(image::pixels_of(colours), kJpegQuality);
