@@ -36,6 +36,8 @@ namespace {
 
 constexpr int kAnywhere = -1;  // for a CPU
 constexpr Duration kPatience = milliseconds(1000);
+/// Outputs are set within a millisecond: whoever takes longer died there, or hangs in the kernel.
+constexpr Duration kSettingPatience = milliseconds(100);
 constexpr int kAlarms = 6;
 constexpr int kAlarmEvery_ms = 400;
 constexpr Duration kTimeToStop = milliseconds(15'000);  // a slow disk may keep the journal's last lines
@@ -228,7 +230,7 @@ class Guardian {
   }
 
   bool set_inactive() {
-    const std::lock_guard lock(setting_);
+    const std::unique_lock lock(setting_, kSettingPatience);  // without it, if need be
     return outputs_.make_inactive();
   }
 
@@ -238,7 +240,7 @@ class Guardian {
       safe_.emplace();
       return;
     }
-    const std::lock_guard lock(setting_);
+    const std::unique_lock lock(setting_, kSettingPatience);
     outputs_.release();
     auto takeover = OutputTakeover::prepare(rig_);
     safe_.emplace(takeover ? takeover->drive_inactive(kPatience)
@@ -297,7 +299,7 @@ class Guardian {
   SystemClock clock_;
   ServiceNotify service_;
   Watchdog watchdog_;
-  std::mutex setting_;                ///< of the outputs
+  std::timed_mutex setting_;          ///< of the outputs
   std::optional<Result<void>> safe_;  ///< once it was tried to make the outputs safe
   std::thread loop_watch_;
   std::atomic<bool> loop_died_{false};

@@ -37,6 +37,17 @@ TEST(Ends, OfAWorkerAreSeenByAGuardianThatMayHaveNoMoreDescriptors) {
   CHECK_TRUE_TEXT(outcome.ended || !outcome.done, outcome.log.c_str());
 }
 
+TEST(Ends, OfTheThreadThatIsMakingTheOutputsInactiveDoNotKeepTheGuardianFromIt) {
+  // The first of the worker's five threads, then the last of the guardian's three, which learns of it: one of three
+  // comes while that one holds the outputs.
+  for (int again = 0; again < 6; ++again) {
+    const Outcome outcome =
+        run_trial({Victim::both, FaultKind::ended_thread, 5, Moment::trigger_on, 1, 4000, false});
+    for (const std::string& violation : outcome.violations)
+      FAIL(fmt::format("{}\n{}", violation, outcome.log).c_str());
+  }
+}
+
 TEST(Ends, LeaveNoOutputActiveAndNoEventLost) {
   const char* const repeated = std::getenv("STROBE_ENDS_SEED");
   const std::uint64_t seed = repeated != nullptr ? std::stoull(repeated) : std::random_device{}();
