@@ -40,7 +40,7 @@ std::vector<std::string> names() {
 }
 
 Json read_record() {
-  std::ifstream file(STROBE_COSTS_RECORD);
+  std::ifstream file(STROBE_SOURCE_DIR "/tests/costs/costs.json");
   return Json::parse(file);
 }
 
@@ -74,7 +74,7 @@ int store() {
   if (!counted) return failed(counted.error().message);
   Json record = read_record();
   record[build()] = *counted;
-  std::ofstream(STROBE_COSTS_RECORD) << record.dump(2) << '\n';
+  std::ofstream(STROBE_SOURCE_DIR "/tests/costs/costs.json") << record.dump(2) << '\n';
   return kDone;
 }
 

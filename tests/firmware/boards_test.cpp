@@ -13,7 +13,7 @@ namespace {
 
 std::map<std::string, Rig> boards() {
   std::map<std::string, Rig> found;
-  for (const auto& entry : std::filesystem::directory_iterator(STROBE_BOARDS)) {
+  for (const auto& entry : std::filesystem::directory_iterator(STROBE_BUILD_DIR "/share/strobe/boards")) {
     const auto rig = read_rig(testing::read_text(entry.path()), entry.path().filename());
     CHECK_TEXT(rig.has_value(), rig ? "" : rig.error().message.c_str());
     found[entry.path().stem()] = *rig;

@@ -19,7 +19,7 @@ Options with_rig_file(const char* path) {
 TEST_GROUP(ServiceFiles){};
 
 TEST(ServiceFiles, AreThoseOfTheShippedUnit) {
-  const std::string unit = strobe::testing::read_text(STROBE_UNIT);
+  const std::string unit = strobe::testing::read_text(STROBE_BUILD_DIR "/firmware/strobed.service");
   STRCMP_CONTAINS((std::string("LoadCredential=lab.key:") + kServiceKeyFile + "\n").c_str(), unit.c_str());
   STRCMP_CONTAINS(
       (std::string("--config ") + kServiceRigFile + " --session " + kServiceSession + "\n").c_str(),
@@ -27,7 +27,7 @@ TEST(ServiceFiles, AreThoseOfTheShippedUnit) {
 }
 
 TEST(ServiceFiles, LetSystemdStopStrobedBeforeTheMachineSleeps) {
-  const std::string unit = strobe::testing::read_text(STROBE_UNIT);
+  const std::string unit = strobe::testing::read_text(STROBE_BUILD_DIR "/firmware/strobed.service");
   for (const char* line : {"\nConflicts=sleep.target\n", "\nBefore=sleep.target\n"})
     STRCMP_CONTAINS(line, unit.c_str());
 }

@@ -1,7 +1,7 @@
 // Runs a fuzzing entry point without libFuzzer: the seeds in a folder, then mutations of them for some
 // seconds.
-//   NAME_fuzzer --corpus DIR [--seconds S] [--seed N] [--run I]     (--run: repeat one mutation alone)
-//   NAME_fuzzer FILE...                                             (repeat inputs that libFuzzer kept)
+//   fuzz_replay NAME --corpus DIR [--seconds S] [--seed N] [--run I]     (--run: repeat one mutation alone)
+//   fuzz_replay NAME FILE...                                             (repeat inputs that libFuzzer kept)
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,13 +17,13 @@
 #include <string>
 #include <vector>
 
+#include "tests/fuzz/entry_points.hpp"
 #include "tests/fuzz/mutate.hpp"
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace {
 
 struct Options {
+  strobe::fuzz::EntryPoint entry_point = nullptr;
   std::string corpus;
   double seconds = 1.0;
   std::uint64_t seed = 1;
@@ -42,8 +42,8 @@ void tell_what_crashed(int signal_number) {
   std::raise(signal_number);
 }
 
-void run_input(const std::string& input) {
-  LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
+void run_input(const Options& options, const std::string& input) {
+  options.entry_point(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
 }
 
 std::string contents(const std::filesystem::path& path) {
@@ -57,21 +57,23 @@ double seconds_now() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-void run_file(const std::filesystem::path& path) {
+void run_file(const Options& options, const std::filesystem::path& path) {
   std::snprintf(now_running, sizeof now_running, "crashed on %s\n", path.c_str());
-  run_input(contents(path));
+  run_input(options, contents(path));
 }
 
 void run_mutation(const Options& options, const std::vector<std::string>& seeds, std::uint64_t run) {
   std::snprintf(now_running, sizeof now_running, "crashed; repeat with --corpus %s --seed %llu --run %llu\n",
                 options.corpus.c_str(), static_cast<unsigned long long>(options.seed),
                 static_cast<unsigned long long>(run));
-  run_input(strobe::fuzz::mutated(seeds, options.seed, run));
+  run_input(options, strobe::fuzz::mutated(seeds, options.seed, run));
 }
 
 Options parse(int argc, char** argv) {
   Options options;
-  for (int i = 1; i < argc; ++i) {
+  const auto named = strobe::fuzz::kEntryPoints.find(argc > 1 ? argv[1] : "");
+  if (named != strobe::fuzz::kEntryPoints.end()) options.entry_point = named->second;
+  for (int i = 2; i < argc; ++i) {
     const std::string word = argv[i];
     const bool more = i + 1 < argc;
     if (word == "--corpus" && more)
@@ -101,7 +103,7 @@ int replay_corpus(const Options& options) {
   std::vector<std::string> seeds;
   for (const auto& path : paths) {
     seeds.push_back(contents(path));
-    if (!options.run) run_file(path);
+    if (!options.run) run_file(options, path);
   }
   if (options.run) {
     run_mutation(options, seeds, *options.run);
@@ -121,10 +123,11 @@ int main(int argc, char** argv) {
   const Options options = parse(argc, argv);
   for (const int signal_number : {SIGABRT, SIGSEGV, SIGFPE, SIGBUS, SIGILL})
     std::signal(signal_number, tell_what_crashed);
-  if (options.corpus.empty() && options.files.empty()) {
-    std::fprintf(stderr, "usage: %s --corpus DIR [--seconds S] [--seed N] [--run I] | FILE...\n", argv[0]);
+  if (options.entry_point == nullptr || (options.corpus.empty() && options.files.empty())) {
+    std::fprintf(stderr, "usage: %s NAME --corpus DIR [--seconds S] [--seed N] [--run I] | FILE...\n",
+                 argv[0]);
     return 2;
   }
-  for (const std::string& file : options.files) run_file(file);
+  for (const std::string& file : options.files) run_file(options, file);
   return options.corpus.empty() ? EXIT_SUCCESS : replay_corpus(options);
 }

@@ -49,7 +49,7 @@ Duration clock_offset(VirtualMachine& machine) {
 
 std::filesystem::path boot_folder() {
   const char* named = std::getenv("STROBE_KERNEL_BOOT");
-  return named != nullptr ? named : STROBE_KERNEL_BOOT;
+  return named != nullptr ? named : STROBE_BUILD_DIR "/kernel";
 }
 
 KernelFixture::KernelFixture(const std::filesystem::path& boot, const Install& install)
@@ -62,7 +62,7 @@ KernelFixture::KernelFixture(const std::filesystem::path& boot, const Install& i
                            : has_key ? testing::read_text(boot / "lab.key")
                                      : kKey);
   std::filesystem::permissions(key, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
-  const auto scene = sim::load_scene(STROBE_KERNEL_SCENE);
+  const auto scene = sim::load_scene(STROBE_SOURCE_DIR "/tests/kernel/scene.toml");
   if (!scene) throw std::runtime_error(scene.error().message);
   auto truth = sim::TruthFile::create(folder_.path() / "truth.jsonl", *scene);
   if (!truth) throw std::runtime_error(truth.error().message);
@@ -104,7 +104,7 @@ std::string KernelFixture::strobed_log() { return machine_.run("cat /tmp/strobed
 
 testing::Command KernelFixture::strobe(std::vector<std::string> words) const {
   words.insert(words.begin(), std::string(STROBE_BUILD_DIR) + "/bin/strobe");
-  words.insert(words.end(), {"--rig", STROBE_KERNEL_RIG, "--lcm-url", kLcmUrl});
+  words.insert(words.end(), {"--rig", STROBE_SOURCE_DIR "/tests/kernel/rig.toml", "--lcm-url", kLcmUrl});
   testing::Command command;
   command.arguments = std::move(words);
   command.environment = {{"STROBE_KEY_FILE", (folder_.path() / "lab.key").string()}};

@@ -22,7 +22,7 @@ bool alike(const std::string& line, const std::string& other, double tolerance) 
 }
 
 std::string difference_from_record(const std::string& name, const std::string& text, double tolerance) {
-  const std::string path = std::string(STROBE_RECORDED) + "/" + name + ".txt";
+  const std::string path = std::string(STROBE_TEST_DATA "/recorded") + "/" + name + ".txt";
   if (std::getenv("STROBE_RECORD") != nullptr) write_text(path, text);
   std::istringstream before(read_text(path)), now(text);
   std::string heading;

@@ -18,7 +18,7 @@ namespace {
 /// Numbers by the first column.
 std::map<std::string, std::vector<double>> recorded() {
   std::map<std::string, std::vector<double>> rows;
-  std::ifstream file(STROBE_CONTACT_DATA "/thesis_by_dormand_prince.csv");
+  std::ifstream file(STROBE_SOURCE_DIR "/tests/common/contact_ode/data/thesis_by_dormand_prince.csv");
   for (std::string line; std::getline(file, line);) {
     std::istringstream cells(line);
     std::string name, cell;

@@ -337,17 +337,17 @@ TEST(ContactOde, FixedStepMethodsConvergeAtTheirOrder) {
 }
 
 TEST(ContactOde, StepsOfTheAdaptiveMethodAreOfFifthOrderWithAFourthOrderError) {
-  const auto s = detail::make_system(kBall, {15.0, -8.0, 20.0}, plain(0.55));
+  const auto s = impact::detail::make_system(kBall, {15.0, -8.0, 20.0}, plain(0.55));
   const auto carry = [&](int n, double& last_error) {
-    detail::State z{};
-    z[detail::kDepthRate] = 1.0;
-    detail::State error{};
+    impact::detail::State z{};
+    z[impact::detail::kDepthRate] = 1.0;
+    impact::detail::State error{};
     for (int i = 0; i < n; ++i) {
-      const detail::State k1 = detail::derivative(*s, z, ContactMode::grips);
-      z = detail::take_step_with_error(*s, ContactMode::grips, z, k1, 2.0 / n, error);
+      const impact::detail::State k1 = impact::detail::derivative(*s, z, ContactMode::grips);
+      z = impact::detail::take_step_with_error(*s, ContactMode::grips, z, k1, 2.0 / n, error);
     }
-    last_error = std::abs(error[detail::kStretch]);
-    return z[detail::kStretch];
+    last_error = std::abs(error[impact::detail::kStretch]);
+    return z[impact::detail::kStretch];
   };
   double e32 = 0.0, e64 = 0.0, unused = 0.0;
   const double exact = carry(4000, unused);

@@ -34,23 +34,24 @@ ContactCoefficients coefficients(double offset_share, double e = 0.8) {
 }
 
 /// Depth, depth rate and stretch after `time` of a ball that grips throughout; no offset. N = y + 2·zeta·y'.
-detail::State carried(const detail::System& s, ContactMethod method, double time, int steps) {
-  detail::State z{};
-  z[detail::kDepthRate] = 1.0;
+impact::detail::State carried(const impact::detail::System& s, ContactMethod method, double time, int steps) {
+  impact::detail::State z{};
+  z[impact::detail::kDepthRate] = 1.0;
   const double h = time / steps;
   for (int i = 0; i < steps; ++i)
-    z = detail::take_step(s, method, ContactMode::grips, z, detail::derivative(s, z, ContactMode::grips), h);
+    z = impact::detail::take_step(s, method, ContactMode::grips, z,
+                                  impact::detail::derivative(s, z, ContactMode::grips), h);
   return z;
 }
 
 std::vector<Refinement> depth_errors(ContactMethod method, int fewest, int most) {
-  const auto system = detail::make_system(kBall, kShot, coefficients(0.0));
+  const auto system = impact::detail::make_system(kBall, kShot, coefficients(0.0));
   const double time = 2.0, q = std::sqrt(1.0 - system->zeta * system->zeta);
   const double exact = std::exp(-system->zeta * time) * std::sin(q * time) / q;
   std::vector<Refinement> out;
   for (int n = fewest; n <= most; n *= 2)
-    out.push_back(
-        {static_cast<double>(n), std::abs(carried(*system, method, time, n)[detail::kDepth] - exact)});
+    out.push_back({static_cast<double>(n),
+                   std::abs(carried(*system, method, time, n)[impact::detail::kDepth] - exact)});
   return out;
 }
 

@@ -102,7 +102,7 @@ TEST(FrontierCsv, AParametersValuesAreFoundByName) {
 }
 
 TEST(FrontierCsv, TheShippedFilesAreOnes) {
-  const std::filesystem::path folder = STROBE_FRONTIER_FOLDER;
+  const std::filesystem::path folder = STROBE_SOURCE_DIR "/common/data/frontier";
   const auto rows = parse_frontier(text_of(folder / "frontier.csv"), "frontier.csv");
   CHECK_TEXT(rows.has_value(), rows ? "" : rows.error().message.c_str());
   if (!std::filesystem::exists(folder / "ranges.csv")) return;

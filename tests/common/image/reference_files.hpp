@@ -13,7 +13,7 @@
 namespace strobe::testing {
 
 inline std::filesystem::path reference(const std::string& name) {
-  return std::filesystem::path(STROBE_IMAGE_REFERENCES) / name;
+  return std::filesystem::path(STROBE_TEST_DATA "/images") / name;
 }
 
 inline std::vector<std::uint8_t> reference_bytes(const std::string& name) {

@@ -70,7 +70,7 @@ TEST(MessageFingerprints, AreThePinnedOnes) {
 }
 
 TEST(MessageFingerprints, ArePinnedForEveryType) {
-  for (const auto& entry : std::filesystem::directory_iterator(STROBE_LCM_DIR)) {
+  for (const auto& entry : std::filesystem::directory_iterator(STROBE_SOURCE_DIR "/common/messages")) {
     if (entry.path().extension() != ".lcm") continue;
     const std::string type = entry.path().stem().string();
     CHECK_TRUE_TEXT(pins().contains(type), (type + " is not pinned in this test").c_str());

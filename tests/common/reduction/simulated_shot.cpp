@@ -135,7 +135,7 @@ std::uint64_t seed_or(std::uint64_t own) {
 }
 
 std::vector<Bounce> thesis_bounces() {
-  std::ifstream file(STROBE_THESIS_TABLE);
+  std::ifstream file(STROBE_THESIS_FOLDER "/tables_02_to_10.csv");
   std::string line;
   std::getline(file, line);
   std::vector<Bounce> bounces;

@@ -23,7 +23,7 @@ TEST(BouncesCommand, PrintsTheTableOfTheReadme) {
   const CompletedProcess run = bounces({});
   LONGS_EQUAL(0, run.status->code);
   CHECK_EQUAL("", run.err);
-  const std::string readme = read_text(STROBE_BOUNCES_README);
+  const std::string readme = read_text(STROBE_BOUNCES_FOLDER "/README.md");
   const std::string begin = "<!-- strobe bounces -->\n```\n", end = "```\n<!-- end of strobe bounces -->\n";
   const std::size_t first = readme.find(begin), last = readme.find(end);
   CHECK(first != std::string::npos && last != std::string::npos);

@@ -5,6 +5,8 @@ using namespace strobe::testing;
 
 namespace {
 
+constexpr const char* kFrame = STROBE_SOURCE_DIR "/tests/fuzz/corpus/reduction_frame_json/every_key.json";
+
 // Made up, so that no machine's figures matter.
 constexpr const char* kFrontier =
     "study,method,parameter,cost_us,error,error_unit,note\n"
@@ -132,7 +134,7 @@ TEST(ChoiceCommands, PredictFailsWhereTheModelAskedForMissesTheToleranceOnThisIm
 }
 
 TEST(ChoiceCommands, ReduceSaysWhatItTookAndWhatNoiseIsLeft) {
-  const CompletedProcess run = this->run({"reduce", STROBE_FRAME, "--tolerance", "0.5%", "--json"});
+  const CompletedProcess run = this->run({"reduce", kFrame, "--tolerance", "0.5%", "--json"});
   const auto json = json_of(run);
   CHECK_EQUAL("best", json["method"]);
   CHECK_EQUAL("effects=auto", json["choice"]["parameter"]);
@@ -140,15 +142,15 @@ TEST(ChoiceCommands, ReduceSaysWhatItTookAndWhatNoiseIsLeft) {
   CHECK(json["choice"]["noise_beyond_tolerance"].get<bool>());
   CHECK(run.err.starts_with("strobe: reduce: took "));
   check_prints(
-      this->run({"reduce", STROBE_FRAME, "--tolerance", "0.5%"}),
+      this->run({"reduce", kFrame, "--tolerance", "0.5%"}),
       {"chosen best effects=auto: the cheapest of 2 methods that meets 0.5%; adds 0% of the readouts' "
        "scales in 8 us as measured\n",
        "the photograph's own noise is beyond the tolerance: sd of "});
 }
 
 TEST(ChoiceCommands, ReduceAddsNothingButTheChoice) {
-  const CompletedProcess plain = run({"reduce", STROBE_FRAME, "--json"}, false);
-  const CompletedProcess chosen = run({"reduce", STROBE_FRAME, "--deadline-us", "10", "--json"});
+  const CompletedProcess plain = run({"reduce", kFrame, "--json"}, false);
+  const CompletedProcess chosen = run({"reduce", kFrame, "--deadline-us", "10", "--json"});
   const auto end = chosen.out.find(",\"choice\":");
   CHECK(end != std::string::npos);
   CHECK_EQUAL(plain.out, chosen.out.substr(0, end) + "}\n");
@@ -156,20 +158,20 @@ TEST(ChoiceCommands, ReduceAddsNothingButTheChoice) {
 
 TEST(ChoiceCommands, ReduceRefusesWhatNoEstimatorMeets) {
   check_refused(
-      run({"reduce", STROBE_FRAME, "--deadline-us", "1"}),
+      run({"reduce", kFrame, "--deadline-us", "1"}),
       "reduce: no method meets 1 us; the fastest of all is two-point (4% of the readouts' scales in "
       "5 us)");
   check_refused(
-      run({"reduce", STROBE_FRAME, "--tolerance", "1%", "--estimator", "two-point"}),
+      run({"reduce", kFrame, "--tolerance", "1%", "--estimator", "two-point"}),
       "reduce: no method meets 1%; the most exact of all is two-point (4% of the readouts' scales in "
       "5 us)");
-  check_refused(run({"reduce", STROBE_FRAME, "--tolerance", "much"}),
+  check_refused(run({"reduce", kFrame, "--tolerance", "much"}),
                 "reduce: --tolerance: 'much' is not a tolerance; write one as 0.5% or 5e-3");
 }
 
 TEST(ChoiceCommands, NoiseFromResidualsTakesStatedSdsForRelativeWeights) {
-  const auto believed = json_of(run({"reduce", STROBE_FRAME, "--json"}, false));
-  const auto weights = json_of(run({"reduce", STROBE_FRAME, "--noise", "residuals", "--json"}, false));
+  const auto believed = json_of(run({"reduce", kFrame, "--json"}, false));
+  const auto weights = json_of(run({"reduce", kFrame, "--noise", "residuals", "--json"}, false));
   CHECK_TRUE(believed["residual_ratio"].is_number());
   CHECK_TRUE(weights["residual_ratio"].is_null());
   CHECK_TRUE(believed["degrees_of_freedom"]["e"].is_null());
@@ -177,12 +179,12 @@ TEST(ChoiceCommands, NoiseFromResidualsTakesStatedSdsForRelativeWeights) {
 }
 
 TEST(ChoiceCommands, NoiseFromResidualsIsForTheBestEstimatorAlone) {
-  check_refused(run({"reduce", STROBE_FRAME, "--noise", "residuals", "--estimator", "two-point"}, false),
+  check_refused(run({"reduce", kFrame, "--noise", "residuals", "--estimator", "two-point"}, false),
                 "reduce: --noise is for the best estimator, without --tolerance and --deadline-us");
-  check_refused(run({"reduce", STROBE_FRAME, "--noise", "residuals", "--tolerance", "1%"}),
+  check_refused(run({"reduce", kFrame, "--noise", "residuals", "--tolerance", "1%"}),
                 "reduce: --noise is for the best estimator, without --tolerance and --deadline-us");
 }
 
 TEST(ChoiceCommands, ReduceShowsTheRatioOfResidualsToStatedNoise) {
-  STRCMP_CONTAINS("residuals over stated noise: ", run({"reduce", STROBE_FRAME}, false).out.c_str());
+  STRCMP_CONTAINS("residuals over stated noise: ", run({"reduce", kFrame}, false).out.c_str());
 }

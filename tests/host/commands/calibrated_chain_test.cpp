@@ -77,7 +77,7 @@ TEST_GROUP(CalibratedChain) {
       const sim::Vec2 seen = optics.image_of(optics.from_surface(x_m, 0.0, 0.0));
       surface.insert(surface.end(), {std::to_string(seen.x), std::to_string(seen.y)});
     }
-    std::string rig = testing::read_text(STROBE_EXAMPLE_RIG);
+    std::string rig = testing::read_text(STROBE_SHIPPED_RIG);
     testing::write_text(folder / "rig.toml", rig.erase(rig.find("#calibration"), 1));
     std::vector<std::string> words{"calibrate",
                                    folder / "board.png",

@@ -55,7 +55,7 @@ TEST_GROUP(Package) {
   }
 
   void setup() override {
-    service = std::make_unique<Service>(STROBE_KERNEL_BOOT "/package",
+    service = std::make_unique<Service>(STROBE_BUILD_DIR "/kernel/package",
                                         [this](VirtualMachine& machine) { return installed(machine); });
   }
   void teardown() override { service.reset(); }

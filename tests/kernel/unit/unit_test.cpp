@@ -19,7 +19,7 @@ namespace {
 constexpr int kFifo = 1;  // SCHED_FIFO as /proc tells it
 
 Service& service() {
-  static Service machine(STROBE_KERNEL_BOOT "/unit");
+  static Service machine(STROBE_BUILD_DIR "/kernel/unit");
   return machine;
 }
 KernelFixture& bench() { return service().bench(); }
