@@ -7,6 +7,7 @@
 
 #include "tests/support/sequencer_fixture.hpp"
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;
@@ -29,8 +30,7 @@ CodedTrain some_code() {
 }
 
 std::string refusal(const ShotPlan& request, const Rig& rig) {
-  const auto checked = check_plan(request, rig);
-  return checked ? "" : checked.error().message;
+  return testing::error_of(check_plan(request, rig));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/wire/lcm_url.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;
@@ -34,10 +35,7 @@ std::string line_of(const std::string& text, const std::string& part) {
                         std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(place), '\n'));
 }
 
-std::string error_of(const std::string& text) {
-  const auto rig = read_rig(text, "rig.toml");
-  return rig ? "" : rig.error().message;
-}
+std::string error_of(const std::string& text) { return testing::error_of(read_rig(text, "rig.toml")); }
 
 }  // namespace
 

@@ -17,6 +17,7 @@
 #include "host/config/rig_file.hpp"
 #include "host/loop/host_loop.hpp"
 #include "tests/fuzz/require.hpp"
+#include "tests/support/host_bench.hpp"
 
 namespace {
 
@@ -45,17 +46,12 @@ std::vector<std::uint8_t> with_fingerprint(std::int64_t fingerprint, std::span<c
   return bytes;
 }
 
-struct ManualClock final : host::Clock {
-  Duration now = std::chrono::seconds{1};
-  host::HostReading read() override { return {HostTime{now}, WallTime{now}, now}; }
-};
-
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const host::RigFile rig = host::read_rig("rig = \"bench\"\n", "rig.toml").value();
   static const authentication::Key key = authentication::Key::random();
-  ManualClock clock;
+  testing::ManualClock clock;
   host::NullTransport transport;
   host::HostLoop loop({"bench", host::assembly_settings(rig), 1, true, key}, transport, clock);
   const authentication::PacketSeal seal(key);

@@ -8,6 +8,7 @@
 #include "host/session/rejection.hpp"
 #include "host/session/train_report.hpp"
 #include "tests/host/synthetic_shot.hpp"
+#include "tests/support/error_of.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -20,10 +21,7 @@ using host::PlanFile;
 Result<PlanFile> read(const std::string& text, const PlanFile& defaults = {}) {
   return host::read_plan(text, "PLAN.toml", defaults);
 }
-std::string error_of(const std::string& text) {
-  const auto plan = read(text);
-  return plan ? "" : plan.error().message;
-}
+std::string error_of(const std::string& text) { return testing::error_of(read(text)); }
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include "host/config/plan_file.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/photographs/digitize_settings.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -19,14 +20,10 @@ using host::read_rig;
 namespace {
 
 std::string plan_error(const std::string& text) {
-  const auto plan = read_plan(text, "PLAN.toml", {});
-  return plan ? "" : plan.error().message;
+  return testing::error_of(read_plan(text, "PLAN.toml", {}));
 }
 
-std::string rig_error(const std::string& text) {
-  const auto rig = read_rig(text, "rig.toml");
-  return rig ? "" : rig.error().message;
-}
+std::string rig_error(const std::string& text) { return testing::error_of(read_rig(text, "rig.toml")); }
 
 }  // namespace
 

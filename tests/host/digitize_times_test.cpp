@@ -1,6 +1,7 @@
 #include "host/commands/digitize_times.hpp"
 #include "host/config/plan_file.hpp"
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe::host;
@@ -8,8 +9,7 @@ using namespace strobe::host;
 namespace {
 
 std::string complaint(const std::string& text) {
-  const auto parsed = parse_flash_times(text, "t.json");
-  return parsed ? "" : parsed.error().message;
+  return strobe::testing::error_of(parse_flash_times(text, "t.json"));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "host/session/results_csv.hpp"
 #include "host/session/session_folder.hpp"
 #include "tests/host/synthetic_shot.hpp"
+#include "tests/support/host_bench.hpp"
 #include "tests/support/sealed_sender.hpp"
 #include "tests/support/string_from.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -43,23 +44,6 @@ event_t event_of(std::int8_t kind, std::int64_t sequence, std::int32_t shot_id =
   return event;
 }
 
-struct Bus final : host::Transport {
-  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> arriving;
-  int readouts = 0;
-  bool receive(std::chrono::milliseconds, std::span<const int>, const Receiver& receiver) override {
-    for (const auto& [name, bytes] : std::exchange(arriving, {})) receiver(name, bytes);
-    return true;
-  }
-  void publish(const std::string& name, Bytes) override {
-    readouts += name == channel(Channel::readout) ? 1 : 0;
-  }
-};
-
-struct ManualClock final : host::Clock {
-  Duration now = std::chrono::seconds{100};
-  host::HostReading read() override { return {HostTime{now}, WallTime{now}, now}; }
-};
-
 struct Results final : host::HostListener {
   std::vector<ShotResult> results;
   void on_shot_result(const ShotResult& result) override { results.push_back(result); }
@@ -73,8 +57,8 @@ TEST_GROUP(FormerRuns) {
   testing::SealedSender lab{key};
   host_test::SyntheticShot made = host_test::make_shot({});
   std::unique_ptr<host::SessionFolder> log;
-  Bus bus;
-  ManualClock clock;
+  testing::RememberingBus bus;
+  testing::ManualClock clock;
   Results results;
 
   void setup() override {
@@ -232,7 +216,7 @@ TEST(FormerRuns, AShotWhosePhotographWasMeasuredGetsItsResult) {
   LONGS_EQUAL(1, results.results.size());
   CHECK_FALSE(results.results[0].rejected.has_value());
   LONGS_EQUAL(kBefore, results.results[0].host_id);
-  LONGS_EQUAL(1, bus.readouts);
+  LONGS_EQUAL(1, bus.sent_on(channel(Channel::readout)).size());
 }
 
 TEST(FormerRuns, AReadoutThatWasPublishedIsNotPublishedAgain) {
@@ -244,7 +228,7 @@ TEST(FormerRuns, AReadoutThatWasPublishedIsNotPublishedAgain) {
   keep(Channel::readout, readout);
   run_later();
   LONGS_EQUAL(1, results.results.size());
-  LONGS_EQUAL(0, bus.readouts);
+  LONGS_EQUAL(0, bus.sent_on(channel(Channel::readout)).size());
 }
 
 TEST(FormerRuns, AShotWithoutAPhotographIsNamedWithItsReason) {

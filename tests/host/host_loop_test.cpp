@@ -17,6 +17,7 @@
 #include "host/loop/series_runner.hpp"
 #include "host/session/logged_transport.hpp"
 #include "tests/host/synthetic_shot.hpp"
+#include "tests/support/host_bench.hpp"
 #include "tests/support/sealed_sender.hpp"
 #include "tests/support/string_from.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -38,31 +39,6 @@ constexpr std::int64_t kHost = 0x1234;
 constexpr std::int64_t kBoot = 77;
 
 std::string channel(Channel kind) { return messages::channel_name("bench", kind); }
-
-struct Bus final : host::Transport {
-  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> arriving;
-  std::map<std::string, int> published;
-  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> sent;
-  std::vector<std::vector<std::uint8_t>> commands;
-  bool failed = false;
-
-  bool receive(std::chrono::milliseconds, std::span<const int>, const Receiver& receiver) override {
-    for (const auto& [name, bytes] : std::exchange(arriving, {})) receiver(name, bytes);
-    return !failed;
-  }
-  void publish(const std::string& name, Bytes bytes) override {
-    ++published[name];
-    sent.emplace_back(name, std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
-    if (name == channel(Channel::command)) commands.emplace_back(bytes.begin(), bytes.end());
-  }
-};
-
-struct ManualClock final : host::Clock {
-  Duration now = std::chrono::seconds{100};
-  Duration wall_ahead{};
-  Duration asleep{};  ///< how long this machine has been suspended
-  host::HostReading read() override { return {HostTime{now}, WallTime{now + wall_ahead}, now + asleep}; }
-};
 
 struct Results final : host::HostListener {
   std::vector<ShotResult> results;
@@ -87,8 +63,8 @@ status_t idle_status(std::int64_t last_sequence = 0) {
 TEST_GROUP(HostLoop) {
   const authentication::Key key = authentication::Key::random();
   testing::SealedSender lab{key};
-  Bus bus;
-  ManualClock clock;
+  testing::RememberingBus bus;
+  testing::ManualClock clock;
   Results results;
   host_test::SyntheticShot made = host_test::make_shot({});
 
@@ -106,7 +82,7 @@ TEST_GROUP(HostLoop) {
     CHECK_TRUE(loop.run_once());
   }
   command_t last_command() const {
-    const auto body = authentication::unseal(key, "bench", bus.commands.back());
+    const auto body = authentication::unseal(key, "bench", bus.sent_on(channel(Channel::command)).back());
     command_t command;
     CHECK_TRUE(body && command.decode(body->data(), 0, static_cast<int>(body->size())) >= 0);
     return command;
@@ -117,7 +93,7 @@ TEST(HostLoop, PublishesTheReadoutsOfItsOwnShotsAlone) {
   for (const auto& [fires, host_id, dry, readouts] :
        {std::tuple{true, kHost, false, 1}, std::tuple{true, kHost, true, 0},
         std::tuple{true, kHost + 1, false, 0}, std::tuple{false, kHost, false, 0}}) {
-    bus.published.clear();
+    bus.sent.clear();
     results.results.clear();
     HostLoop loop(settings(fires), bus, clock);
     loop.add_listener(results);
@@ -128,18 +104,18 @@ TEST(HostLoop, PublishesTheReadoutsOfItsOwnShotsAlone) {
     if (!dry) arrive(Channel::frame, made.frame);
     pass(loop, 0.02);
     LONGS_EQUAL(1, results.results.size());
-    LONGS_EQUAL(readouts, bus.published[channel(Channel::readout)]);
+    LONGS_EQUAL(readouts, bus.sent_on(channel(Channel::readout)).size());
   }
 }
 
 TEST(HostLoop, RequestsLostEventsIfItHasAKey) {
   for (const bool with_key : {false, true}) {
-    bus.commands.clear();
+    bus.sent.clear();
     HostLoop loop(settings(false, with_key), bus, clock);
     arrive(Channel::status, idle_status(5));
     pass(loop, 0.02);
     pass(loop, 1.0);
-    LONGS_EQUAL(with_key ? 1 : 0, bus.commands.size());
+    LONGS_EQUAL(with_key ? 1 : 0, bus.sent_on(channel(Channel::command)).size());
   }
   LONGS_EQUAL(command_t::RESEND, last_command().kind);
   LONGS_EQUAL(1, last_command().resend_first);
@@ -200,7 +176,7 @@ TEST(HostLoop, ADisarmIsRepeatedUntilItIsConfirmed) {
   pass(loop, 0.02);
   loop.disarm("the page");
   for (std::size_t sent = 1; sent <= 4; ++sent) {
-    LONGS_EQUAL(sent, bus.commands.size());
+    LONGS_EQUAL(sent, bus.sent_on(channel(Channel::command)).size());
     LONGS_EQUAL(+command_t::DISARM, last_command().kind);
     pass(loop, 0.1);
   }
@@ -212,9 +188,9 @@ TEST(HostLoop, ADisarmIsRepeatedUntilItIsConfirmed) {
   arrive(Channel::event, disarmed(last_command(), 1));
   pass(loop, 0.02);
   CHECK_FALSE(loop.disarming());
-  bus.commands.clear();
+  bus.sent.clear();
   pass(loop, 0.3);
-  for (const auto& command : bus.commands) {
+  for (const auto& command : bus.sent_on(channel(Channel::command))) {
     const auto body = authentication::unseal(key, "bench", command);
     command_t sent;
     CHECK_TRUE(body && sent.decode(body->data(), 0, static_cast<int>(body->size())) >= 0);
@@ -274,7 +250,7 @@ TEST(HostLoop, AFirmwareThatIsHeardOnlyAfterTheDisarmGetsItThen) {
   HostLoop loop(settings(false), bus, clock);
   loop.disarm("the page");
   pass(loop, 0.6);
-  LONGS_EQUAL(0, bus.commands.size());
+  LONGS_EQUAL(0, bus.sent_on(channel(Channel::command)).size());
   STRCMP_CONTAINS("DISARM NOT CONFIRMED", loop.session().danger().c_str());
   arrive(Channel::status, idle_status());
   pass(loop, 0.02);

@@ -8,6 +8,7 @@
 #include "firmware/core/rig_file.hpp"
 
 #include "tests/soak/lab_parts.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace strobe::soak {
 
@@ -25,13 +26,6 @@ constexpr Duration kPoll = kWakeUp + nanoseconds(120);  // from one look at the 
 constexpr std::size_t kKernelBuffer = 16;
 
 constexpr std::size_t index(Input input) { return static_cast<std::size_t>(input); }
-
-std::string text_of(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 std::uint64_t seed_of(const RunSettings& settings) {
   return mixed(settings.seed, static_cast<std::uint64_t>(settings.run) + 1);
@@ -64,7 +58,7 @@ HostSettings host_settings_of(const RigFiles& files, const RunSettings& settings
 }  // namespace
 
 Result<RigFiles> read_rig_files(const std::string& path) {
-  const std::string text = text_of(path);
+  const std::string text = testing::read_text(path);
   auto rig = firmware::read_rig(text, path);
   if (!rig) return tl::unexpected(rig.error());
   auto host = host::read_rig(text, path);

@@ -19,6 +19,7 @@
 #include "host/session/results_csv.hpp"
 #include "host/session/run_lock.hpp"
 #include "tests/storage/scripted_bench.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace strobe::storage {
 namespace {
@@ -118,12 +119,6 @@ void fire(Run& run, const fs::path& folder, const char* utc, int shots, const te
   run.unstored = stored.unstored();
 }
 
-std::string text_of(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
@@ -162,9 +157,9 @@ int missing(const std::vector<Message>& wanted, const std::vector<Message>& ther
 struct Before {
   std::string log, results, flashes;
   explicit Before(const fs::path& folder)
-      : log(text_of(folder / (std::string("host-") + kFirstUtc + ".lcmlog"))),
-        results(text_of(folder / "results.csv")),
-        flashes(text_of(folder / "flashes.csv")) {}
+      : log(testing::read_text(folder / (std::string("host-") + kFirstUtc + ".lcmlog"))),
+        results(testing::read_text(folder / "results.csv")),
+        flashes(testing::read_text(folder / "flashes.csv")) {}
 };
 
 class Judge {
@@ -250,19 +245,19 @@ class Judge {
   void judge_tables() {
     if (!run_.refused.empty()) return;
     std::set<std::string> rows, flashes;
-    const auto results = lines_of(text_of(folder_ / "results.csv"));
+    const auto results = lines_of(testing::read_text(folder_ / "results.csv"));
     for (std::size_t i = lines_of(before_.results).size(); i < results.size(); ++i)
       rows.insert(results[i].substr(results[i].find(',') + 1, 5));
     int lost = 0;
     for (const int shot : run_.told.results)
       lost += !rows.contains(fmt::format("{:x},{},", ScriptedBench::kBoot + 1, shot).substr(0, 5));
     lost_at("results.csv", lost);
-    const std::string text = text_of(folder_ / "flashes.csv");
+    const std::string text = testing::read_text(folder_ / "flashes.csv");
     lost = 0;
     for (const auto& shot : run_.bench.shots()) lost += text.find(host::flashes_lines(shot)) == text.npos;
     lost_at("flashes.csv", lost);
     for (const char* table : {"results.csv", "flashes.csv"}) {
-      const std::string all = text_of(folder_ / table);
+      const std::string all = testing::read_text(folder_ / table);
       const auto lines = lines_of(all);
       const auto commas = [](const std::string& line) { return std::ranges::count(line, ','); };
       const bool torn = !all.empty() && all.back() != '\n';

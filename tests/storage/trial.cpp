@@ -76,12 +76,6 @@ constexpr std::array kKeyPlaces{Place{"", "write", 1}, Place{"", "fsync", 2}, Pl
 const std::string kOld(3'000'000, 'o');
 const std::string kNew(2'500'000, 'n');
 
-std::string text_of(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 void write_plainly(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
@@ -90,7 +84,7 @@ void write_plainly(const fs::path& path, const std::string& text) {
 Verdict judge_file(const fs::path& folder, const fs::path& path, const std::string& told,
                    const std::string& before, const std::string& wanted) {
   Verdict verdict;
-  const std::string now = text_of(path);
+  const std::string now = testing::read_text(path);
   if (told.empty() && now != wanted) verdict.violation = "told as stored, and is not";
   if (now != before && now != wanted) verdict.violation = "neither the old file nor the new one";
   if (!told.empty() && told.find(path.filename().string()) == told.npos)
@@ -133,7 +127,7 @@ Verdict run_key(const fs::path& folder, const DiskFault& fault) {
   const auto made = authentication::make_key_file(path);
   testing::clear_disk_fault();
   const std::string wanted = made                                  ? made->key.text() + "\n"
-                             : authentication::read_key_file(path) ? text_of(path)
+                             : authentication::read_key_file(path) ? testing::read_text(path)
                                                                    : "a key";
   Verdict verdict = judge_file(folder, path, made ? "" : made.error().message, "", wanted);
   if (made && !authentication::read_key_file(path)) verdict.violation = "the key cannot be read";

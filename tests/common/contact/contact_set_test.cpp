@@ -2,6 +2,7 @@
 
 #include "common/data/contact_set.hpp"
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 using strobe::data::is_end_point;
@@ -12,8 +13,7 @@ namespace {
 const std::string kHeader = "time_fraction,x_fraction,y_fraction,rotation_fraction\n";
 
 std::string complaint(const std::string& text) {
-  const auto set = parse_contact_csv(text, "a.csv");
-  return set ? "accepted" : set.error().message;
+  return strobe::testing::error_of(parse_contact_csv(text, "a.csv"));
 }
 
 void check_complaint(const std::string& expected, const std::string& text) {

@@ -6,6 +6,7 @@
 #include "common/frontier/frontier.hpp"
 
 #include "tests/support/string_from.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace strobe::frontier;
 
@@ -23,11 +24,6 @@ void check_ranges_refused(const std::string& lines, const char* expected) {
   const auto ranges = parse_ranges("study,quantity,lowest,highest\n" + lines, "r.csv");
   CHECK_TEXT(!ranges, lines.c_str());
   CHECK_EQUAL(expected, ranges.error().message);
-}
-
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 }  // namespace
@@ -103,9 +99,9 @@ TEST(FrontierCsv, AParametersValuesAreFoundByName) {
 
 TEST(FrontierCsv, TheShippedFilesAreOnes) {
   const std::filesystem::path folder = STROBE_SOURCE_DIR "/common/data/frontier";
-  const auto rows = parse_frontier(text_of(folder / "frontier.csv"), "frontier.csv");
+  const auto rows = parse_frontier(strobe::testing::read_text(folder / "frontier.csv"), "frontier.csv");
   CHECK_TEXT(rows.has_value(), rows ? "" : rows.error().message.c_str());
   if (!std::filesystem::exists(folder / "ranges.csv")) return;
-  const auto ranges = parse_ranges(text_of(folder / "ranges.csv"), "ranges.csv");
+  const auto ranges = parse_ranges(strobe::testing::read_text(folder / "ranges.csv"), "ranges.csv");
   CHECK_TEXT(ranges.has_value(), ranges ? "" : ranges.error().message.c_str());
 }

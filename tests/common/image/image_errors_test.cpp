@@ -6,6 +6,7 @@
 #include "common/image/image_files.hpp"
 #include "tests/common/image/reference_files.hpp"
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 namespace {
@@ -24,8 +25,7 @@ std::vector<std::string> all_files() {
 }
 
 std::string complaint(const std::string& name, const Octets& bytes) {
-  const auto raster = decoded(name, bytes);
-  return raster ? "" : raster.error().message;
+  return strobe::testing::error_of(decoded(name, bytes));
 }
 
 void check_line(const std::string& name, const std::string& message) {

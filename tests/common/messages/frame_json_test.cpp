@@ -4,6 +4,7 @@
 
 #include "common/messages/json_conversions.hpp"
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;
@@ -23,10 +24,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return at == std::string::npos ? "no " + from : text.replace(at, from.size(), to);
 }
 
-std::string complaint(const std::string& text) {
-  const auto frame = frame_from_json(text);
-  return frame ? "accepted" : frame.error().message;
-}
+std::string complaint(const std::string& text) { return testing::error_of(frame_from_json(text)); }
 
 }  // namespace
 

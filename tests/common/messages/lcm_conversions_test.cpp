@@ -17,6 +17,7 @@
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/record.hpp"
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;
@@ -62,8 +63,7 @@ Message wired(const Message& message) {
 }
 
 std::string complaint(const strobe_msgs::frame_t& message) {
-  const auto result = frame_from_lcm(message);
-  return result ? "accepted" : result.error().message;
+  return testing::error_of(frame_from_lcm(message));
 }
 
 }  // namespace
@@ -156,11 +156,11 @@ TEST(FrameMessage, IsCheckedFieldByField) {
   refused("images: at most 512 are allowed", [](M& m) { m.image_count = 513, m.images.resize(513); });
   message.surface.resize(10000, message.surface[0]), message.surface_count = 10000;
   message.images.resize(512, message.images[0]), message.image_count = 512;
-  CHECK_EQUAL("accepted", complaint(message));
+  CHECK_EQUAL("", complaint(message));
   // Arrays that are empty, whatever their counts claim.
   message.surface.clear(), message.images.clear();
   message.surface_count = message.image_count = -1;
-  CHECK_EQUAL("accepted", complaint(message));
+  CHECK_EQUAL("", complaint(message));
 }
 
 TEST(FrameMessage, MayHaveNoSurfaceAndAContactImageWithoutADiameter) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;
@@ -46,8 +47,7 @@ constexpr const char* kHeader =
     "vx_lo_mps,vx_lo_sd_mps,vy_lo_mps,vy_lo_sd_mps,omega_lo_radps,omega_lo_sd_radps\n";
 
 std::string refusal_of_row(const std::string& row) {
-  const auto parsed = parse_bounces(kHeader + row + "\n", "a.csv");
-  return parsed ? "" : parsed.error().message;
+  return testing::error_of(parse_bounces(kHeader + row + "\n", "a.csv"));
 }
 
 std::string refusal_of_friction(const std::string& line) {

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "common/reduction/reduce.hpp"
+#include "tests/support/error_of.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -43,10 +44,7 @@ Readout reduced(const Frame& frame, Estimator estimator) {
   return *readout;
 }
 
-std::string complaint(const Frame& frame) {
-  const auto readout = reduce(frame, Estimator::best);
-  return readout ? "accepted" : readout.error().message;
-}
+std::string complaint(const Frame& frame) { return testing::error_of(reduce(frame, Estimator::best)); }
 
 void equal(double expected, const std::optional<double>& actual, double tolerance) {
   CHECK_TRUE(actual.has_value());

@@ -10,6 +10,7 @@
 #include "common/authentication/seal.hpp"
 #include "common/messages/channels.hpp"
 #include "tests/host/commission/trains.hpp"
+#include "tests/support/host_bench.hpp"
 #include "tests/support/sealed_sender.hpp"
 #include "tests/support/string_from.hpp"
 
@@ -24,24 +25,6 @@ using strobe_msgs::status_t;
 constexpr std::int64_t kHost = 0x1234, kBoot = 7;
 
 std::string channel(Channel kind) { return messages::channel_name("bench", kind); }
-
-struct Bus final : host::Transport {
-  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> arriving;
-  std::vector<std::vector<std::uint8_t>> commands;
-
-  bool receive(std::chrono::milliseconds, std::span<const int>, const Receiver& receiver) override {
-    for (const auto& [name, bytes] : std::exchange(arriving, {})) receiver(name, bytes);
-    return true;
-  }
-  void publish(const std::string& name, Bytes bytes) override {
-    if (name == channel(Channel::command)) commands.emplace_back(bytes.begin(), bytes.end());
-  }
-};
-
-struct ManualClock final : host::Clock {
-  Duration now = std::chrono::seconds{100};
-  host::HostReading read() override { return {HostTime{now}, WallTime{now}, now}; }
-};
 
 /// Passes at once, or after a shot; says what became of it.
 class ScriptedStep final : public Step {
@@ -104,8 +87,8 @@ struct Told final : CommissioningListener {
 TEST_GROUP(Commissioning) {
   const authentication::Key key = authentication::Key::random();
   testing::SealedSender lab{key};
-  Bus bus;
-  ManualClock clock;
+  testing::RememberingBus bus;
+  testing::ManualClock clock;
   Told told;
   status_t status{};
   std::vector<ScriptedStep*> scripted;
@@ -153,8 +136,8 @@ TEST_GROUP(Commissioning) {
   }
   command_t last_command() {
     command_t command{};
-    if (bus.commands.empty()) return command;
-    const auto body = authentication::unseal(key, "bench", bus.commands.back());
+    if (bus.sent_on(channel(Channel::command)).empty()) return command;
+    const auto body = authentication::unseal(key, "bench", bus.sent_on(channel(Channel::command)).back());
     CHECK_TRUE(body && command.decode(body->data(), 0, static_cast<int>(body->size())) >= 0);
     return command;
   }
@@ -221,11 +204,11 @@ TEST(Commissioning, AsksAPersonBeforeEachStepAndSaysWhatMoves) {
   commissioning->answer(Answer::yes);
   turn(3);
   CHECK_EQUAL("one, two moves", joined(told.prompts));
-  LONGS_EQUAL(0, bus.commands.size());
+  LONGS_EQUAL(0, bus.sent_on(channel(Channel::command)).size());
   commissioning->answer(Answer::skip);
   turn(3);
   CHECK_EQUAL("one passed, two skipped", joined(told.results));
-  LONGS_EQUAL(0, bus.commands.size());
+  LONGS_EQUAL(0, bus.sent_on(channel(Channel::command)).size());
 }
 
 TEST(Commissioning, NothingMovesForAnEmptyLine) {
@@ -310,7 +293,7 @@ TEST(Commissioning, ThrowsNothingBeforeKeyAndEStopHavePassed) {
   turn(20);
   CHECK_EQUAL("trigger failed", joined(told.results));
   LONGS_EQUAL(0, scripted[0]->begun);
-  LONGS_EQUAL(0, bus.commands.size());
+  LONGS_EQUAL(0, bus.sent_on(channel(Channel::command)).size());
 }
 
 TEST(Commissioning, FiresWhatAStepAsksForOnce) {
@@ -336,7 +319,7 @@ TEST(Commissioning, SaysWhyNothingCanBeFired) {
   }
   CHECK_EQUAL("lamp failed", joined(told.results));
   CHECK_TRUE(scripted[0]->why_not.find("the key is off") != std::string::npos);
-  LONGS_EQUAL(0, bus.commands.size());
+  LONGS_EQUAL(0, bus.sent_on(channel(Channel::command)).size());
 }
 
 TEST(Commissioning, BeginsNoStepAfterAStopWhereNobodySaysYesAnew) {

@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe::digitize;
@@ -18,8 +19,7 @@ constexpr int kHeight_px = 1840;
 constexpr double kPeriod_s = 0.003;
 
 std::string complaint(const std::string& text) {
-  const auto parsed = parse_corrections(text, "fix.toml");
-  return parsed ? "" : parsed.error().message;
+  return strobe::testing::error_of(parse_corrections(text, "fix.toml"));
 }
 
 std::vector<Correction> parsed(const std::string& text) {

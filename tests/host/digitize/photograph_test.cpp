@@ -6,6 +6,7 @@
 
 #include "host/digitize/image/image_header.hpp"
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/pictures.hpp"
 #include "tests/support/string_from.hpp"
 
@@ -57,8 +58,7 @@ Bytes of_floating_point() {
 }
 
 std::string complaint(const Bytes& bytes) {
-  const auto photograph = decode_photograph(bytes, "shot.tif");
-  return photograph ? "" : photograph.error().message;
+  return strobe::testing::error_of(decode_photograph(bytes, "shot.tif"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "host/report/content/conformity.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -17,10 +18,7 @@ std::string judged(double value, std::optional<double> u, DecisionRule rule) {
   return std::string(words(judge(value, u, kLimit, rule)));
 }
 
-std::string refused(const char* text) {
-  const auto limit = parse_limit(text);
-  return limit ? "" : limit.error().message;
-}
+std::string refused(const char* text) { return strobe::testing::error_of(parse_limit(text)); }
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 #include "host/series/select.hpp"
 
 #include "tests/host/series/simulated_series.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;
@@ -37,8 +38,7 @@ SelectedShots selected(const Selection& selection) {
 }
 
 std::string complaint(const Selection& selection) {
-  const auto result = select_shots(shots(), selection);
-  return result ? "accepted" : result.error().message;
+  return testing::error_of(select_shots(shots(), selection));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "sim/motion/contact_path.hpp"
 #include "sim/scene/spring.hpp"
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 namespace {
@@ -24,10 +25,7 @@ Scene scene_of(const std::string& text) {
   return *scene;
 }
 
-std::string refusal_of(const std::string& text) {
-  const auto scene = parse_scene(text, "some.toml");
-  return scene ? "" : scene.error().message;
-}
+std::string refusal_of(const std::string& text) { return testing::error_of(parse_scene(text, "some.toml")); }
 
 void refuses(const char* expected, const std::string& text) {
   STRCMP_CONTAINS(expected, refusal_of(text).c_str());

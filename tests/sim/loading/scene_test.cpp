@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 namespace {
@@ -14,8 +15,7 @@ const std::string kMin =
     "[bounce]\ncontact = \"grip\"\ne = 0.8\nmu = 0.6\nex = 0.1\noffset_mm = 2.5\ndwell_ms = 5\n";
 
 std::string error_of(const std::string& text) {
-  const auto scene = parse_scene(text, "scenes/some.toml");
-  return scene ? "" : scene.error().message;
+  return testing::error_of(parse_scene(text, "scenes/some.toml"));
 }
 
 void refuses(const char* expected, const std::string& text) {

@@ -3,22 +3,13 @@
 
 #include <memory>
 
+#include "tests/support/host_bench.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::web;
 
 namespace {
-
-struct ManualClock final : host::Clock {
-  Duration now = std::chrono::seconds{100};
-  host::HostReading read() override { return {HostTime{now}, WallTime{now}, now}; }
-};
-
-struct SilentBus final : host::Transport {
-  bool receive(std::chrono::milliseconds, std::span<const int>, const Receiver&) override { return true; }
-  void publish(const std::string&, Bytes) override {}
-};
 
 host::ShotResult shot(int id, std::int64_t host = 7) {
   host::ShotResult result;
@@ -37,8 +28,8 @@ std::size_t count(const std::deque<LiveMessage>& messages) {
 }  // namespace
 
 TEST_GROUP(LiveFeed) {
-  ManualClock clock;
-  SilentBus bus;
+  testing::ManualClock clock;
+  testing::RememberingBus bus;
   host::HostLoop loop{{"bench", {}, 7}, bus, clock};
   LiveChannel channel;
   LiveFeed feed{channel, clock};
