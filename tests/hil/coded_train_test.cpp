@@ -54,7 +54,7 @@ TEST(CodedTrain, IsFiredAsPlannedSeenByItsLampsAndReadOut) {
   strobe::testing::write_text(bench.folder() / "plan.toml", kPlan);
   const std::string plan = bench.folder() / "plan.toml";
 
-  const auto fired = strobe::testing::run_process(bench.fire(1, kRetries, {"--plan", plan}), kLongestWait);
+  const auto fired = strobe::testing::run_process(bench.fire(1, 0, {"--plan", plan}), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   const nlohmann::json readout = readouts(fired.out).back();
   CHECK_FALSE(readout.at("vx_td_mps").is_null());
@@ -64,7 +64,7 @@ TEST(CodedTrain, IsFiredAsPlannedSeenByItsLampsAndReadOut) {
   const double misassignment = readout.at("misassignment_probability").get<double>();
   CHECK_EQUAL(misassignment > 0.01, has_flag(readout, "flash_index_ambiguous"));
   const auto dry =
-      strobe::testing::run_process(bench.fire(1, kRetries, {"--plan", plan, "--dry"}), kLongestWait);
+      strobe::testing::run_process(bench.fire(1, 0, {"--plan", plan, "--dry"}), kLongestWait);
   CHECK_TEXT(dry.status == ExitStatus({0, 0}), dry.err.c_str());
 
   const LogContents journal = read_log(bench.journal());

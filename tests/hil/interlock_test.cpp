@@ -86,11 +86,11 @@ TEST_GROUP(Interlock){};
 TEST(Interlock, FiresTheMachineOnceAShotWhenAllIsWellAndElseRefusesInWords) {
   RigFixture bench;
   expect_ready(bench);
-  const auto fired = strobe::testing::run_process(bench.fire(1, kRetries), kLongestWait);
+  const auto fired = strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   const std::size_t live = shots_fired(bench);
   const std::int64_t dry_from = monotonic_now_ns();
-  const auto dry = strobe::testing::run_process(bench.fire(1, kRetries, {"--dry"}), kLongestWait);
+  const auto dry = strobe::testing::run_process(bench.fire(1, 0, {"--dry"}), kLongestWait);
   CHECK_TEXT(dry.status == ExitStatus({0, 0}), dry.err.c_str());
   const std::size_t all = shots_fired(bench);
   std::vector<Span> refusals;

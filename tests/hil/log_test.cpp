@@ -83,7 +83,7 @@ std::size_t recorded(const std::filesystem::path& log, const std::string& kind) 
 std::string record_session(RigFixture& bench, int shots, const std::filesystem::path& log) {
   Process recorder = bench.start(logger(bench, log));
   CHECK(hears(log));  // the firmware's heartbeat
-  const auto fired = strobe::testing::run_process(bench.fire(shots, kRetries), kLongestWait);
+  const auto fired = strobe::testing::run_process(bench.fire(shots, 0), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   const std::size_t sent = readouts(fired.out).size();
   // What its queue has dropped it never writes.
@@ -124,7 +124,7 @@ TEST(Log, RecordedAndPlayedBackShowsTheSameNumbers) {
 TEST(Log, OfTheSessionsFolderIsRecomputedToTheSameBytes) {
   RigFixture bench(short_shots());
   expect_ready(bench);
-  const auto fired = strobe::testing::run_process(bench.fire(2, kRetries), kLongestWait);
+  const auto fired = strobe::testing::run_process(bench.fire(2, 0), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   bench.finish();
   std::filesystem::path host_log;
@@ -169,13 +169,13 @@ TEST(Log, WithCommandsInItNeverFiresARigAgain) {
 TEST(Log, OfAListenerThatJoinsLateHoldsTheShotsBeforeItAndThoseToCome) {
   RigFixture bench(short_shots());
   expect_ready(bench);
-  const auto before = strobe::testing::run_process(bench.fire(1, kRetries), kLongestWait);
+  const auto before = strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
   CHECK_TEXT(before.status == ExitStatus({0, 0}), before.err.c_str());
   Process live = bench.start(bench.strobe({"live", "--json"}));
   // The journal is asked for what was; whoever measured its photographs sends them again.
   const std::size_t past = readouts(before.out).size();
   CHECK(strobe::testing::wait_until([&] { return readouts(live.out()).size() >= past; }, 8s));
-  const auto fired = strobe::testing::run_process(bench.fire(1, kRetries), kLongestWait);
+  const auto fired = strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   const std::vector<nlohmann::json> expected = readouts(fired.out);
   strobe::testing::wait_until([&] { return readouts(live.out()).size() >= past + expected.size(); }, 8s);

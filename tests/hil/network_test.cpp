@@ -80,7 +80,7 @@ TEST(Network, ASeriesGoesOnAfterTheInterfaceWasMadeAnew) {
   options.rig_edits = kShortExposure;
   RigFixture bench(options);
   expect_ready(bench);
-  auto fire = bench.start(bench.fire(2, kRetries));
+  auto fire = bench.start(bench.fire(2, 0));
   CHECK_TEXT(fire.wait_for_out("vx_td_mps", kLongestWait), fire.err().c_str());
   make_anew();
   CHECK_TEXT(fire.wait(kLongestWait) == strobe::testing::ExitStatus({0, 0}), fire.err().c_str());

@@ -79,7 +79,7 @@ TEST_GROUP(SessionAgain) {
     bench = std::make_unique<RigFixture>(quick_camera(camera.path()));
     expect_ready(*bench);
     const auto fired =
-        strobe::testing::run_process(bench->fire(shots, kRetries, {"--photographs", camera.path()}), 240s);
+        strobe::testing::run_process(bench->fire(shots, 0, {"--photographs", camera.path()}), 240s);
     CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
     printed = fired.out;
     bench->finish();

@@ -35,7 +35,7 @@ TEST(Session, AnOrdinaryUserFiresWithAWarning) {
   RigFixture bench(options);
   expect_ready(bench);
   CHECK_TEXT(bench.log().find("warn") != std::string::npos, bench.log().c_str());
-  strobe::testing::Command fire = bench.fire(1, kRetries);
+  strobe::testing::Command fire = bench.fire(1, 0);
   fire.rights = strobe::testing::Privileges::ordinary;
   const auto fired = strobe::testing::run_process(fire, kLongestWait);
   CHECK(!readouts(fired.out).empty());
@@ -58,7 +58,7 @@ TEST(Session, FolderHoldsAllThatIsNeededToRecomputeIt) {
   RigFixture bench;
   expect_ready(bench);
   const auto fired =
-      strobe::testing::run_process(bench.fire(2, kRetries, {"--note", "remarks=two shots"}), kLongestWait);
+      strobe::testing::run_process(bench.fire(2, 0, {"--note", "remarks=two shots"}), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   bench.finish();
   CHECK(std::filesystem::exists(bench.session() / "rig.toml"));

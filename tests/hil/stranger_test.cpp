@@ -138,7 +138,7 @@ TEST(Stranger, WhoForgesAbortedShotsHasNoneFiredAgain) {
     lcm.publish(channel, packet.data(), static_cast<unsigned>(packet.size()));
   };
   strobe::testing::SealedSender stranger(Key::random()), lab(ear.key());
-  auto fire = bench.start(bench.fire(2, kRetries));
+  auto fire = bench.start(bench.fire(2, 0));
   std::size_t heard = 0;
   int forged = 0;
   std::int64_t host = 0;
@@ -180,7 +180,7 @@ TEST(Stranger, WhoPlaysALogBackWhileShotsAreFiredHasNoBallMoreThrown) {
   {
     RigFixture yesterday(options);
     expect_ready(yesterday);
-    const auto fired = strobe::testing::run_process(yesterday.fire(1, kRetries), kLongestWait);
+    const auto fired = strobe::testing::run_process(yesterday.fire(1, 0), kLongestWait);
     CHECK_TEXT(fired.status == strobe::testing::ExitStatus({0, 0}), fired.err.c_str());
     for (const auto& file : std::filesystem::directory_iterator(yesterday.session())) {
       if (!file.path().filename().string().starts_with("host-")) continue;
@@ -194,7 +194,7 @@ TEST(Stranger, WhoPlaysALogBackWhileShotsAreFiredHasNoBallMoreThrown) {
   CHECK(packets.size() > 50);
   RigFixture bench(options);
   expect_ready(bench);
-  auto fire = bench.start(bench.fire(2, kRetries));
+  auto fire = bench.start(bench.fire(2, 0));
   std::atomic<int> rounds = 0;
   {
     std::jthread player([&](const std::stop_token& stop) {
@@ -224,7 +224,7 @@ TEST(Stranger, WhoFloodsTheBusDuringAShotCostsNoEvent) {
   std::int64_t packets = 0;
   {
     Flooder flooder(bench.lcm_url(), "bench", host.sealed(disarm, host.key()));
-    auto fire = bench.start(bench.fire(1, kRetries));
+    auto fire = bench.start(bench.fire(1, 0));
     CHECK_TEXT(fire.wait_for_out("vx_td_mps", 60s), fire.err().c_str());
     packets = flooder.stop();
     const auto ended = fire.wait(30s);
