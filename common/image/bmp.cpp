@@ -16,7 +16,7 @@ std::uint32_t number(Bytes bytes, std::uint64_t at, unsigned size) {
   return static_cast<std::uint32_t>(read_number(bytes, at, size, std::endian::little).value_or(0));
 }
 
-struct Header {
+struct BmpHeader {
   std::uint64_t start = 0, size = 0;
   std::int64_t width = 0, height = 0;
   bool from_the_top = false;
@@ -26,16 +26,16 @@ struct Header {
 };
 
 /// Whether the masks of a file that has its own are ones that are read.
-bool read_masks(Bytes bytes, Header& header) {
+bool read_masks(Bytes bytes, BmpHeader& header) {
   const std::array masks{number(bytes, 54, 4), number(bytes, 58, 4), number(bytes, 62, 4)};
   header.sixteen_green = masks == std::array{0xF800U, 0x07E0U, 0x001FU};
   if (header.bits == 16) return header.sixteen_green || masks == std::array{0x7C00U, 0x03E0U, 0x001FU};
   return header.bits == 32 && masks == std::array{0xFF0000U, 0xFF00U, 0xFFU};
 }
 
-Result<Header> read_header(Bytes bytes) {
+Result<BmpHeader> read_bmp_header(Bytes bytes) {
   constexpr std::uint32_t kPlain = 0, kMasks = 3;
-  Header header;
+  BmpHeader header;
   header.start = number(bytes, 10, 4);
   header.size = number(bytes, 14, 4);
   if (header.size < 40) return fail("the BMP is of an old kind that is not read");
@@ -60,7 +60,7 @@ Result<Header> read_header(Bytes bytes) {
 }
 
 /// Colours that the file does not list are black.
-std::array<Colour, 256> read_palette(Bytes bytes, const Header& header) {
+std::array<Colour, 256> read_palette(Bytes bytes, const BmpHeader& header) {
   std::array<Colour, 256> palette{};
   if (header.bits > 8) return palette;
   const std::uint32_t said = number(bytes, 46, 4), most = 1U << header.bits;
@@ -72,7 +72,7 @@ std::array<Colour, 256> read_palette(Bytes bytes, const Header& header) {
   return palette;
 }
 
-Colour colour_at(const std::uint8_t* row, std::size_t x, const Header& header,
+Colour colour_at(const std::uint8_t* row, std::size_t x, const BmpHeader& header,
                  const std::array<Colour, 256>& palette) {
   if (header.bits <= 8) {
     const std::size_t per_byte = 8 / header.bits;
@@ -92,7 +92,7 @@ Colour colour_at(const std::uint8_t* row, std::size_t x, const Header& header,
 }  // namespace
 
 Result<Raster> decode_bmp(Bytes bytes) {
-  const auto header = read_header(bytes);
+  const auto header = read_bmp_header(bytes);
   if (!header) return tl::unexpected(header.error());
   const auto palette = read_palette(bytes, *header);
   const bool grey = header->bits <= 8 && std::all_of(palette.begin(), palette.end(), [](const Colour& c) {

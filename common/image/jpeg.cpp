@@ -56,12 +56,12 @@ void count_scans(j_common_ptr info) {
   std::longjmp(errors->back, 1);
 }
 
-class Reader {
+class JpegReader {
  public:
-  explicit Reader(Bytes bytes) : bytes_(bytes) {}
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
-  ~Reader() { jpeg_destroy_decompress(&info_); }
+  explicit JpegReader(Bytes bytes) : bytes_(bytes) {}
+  JpegReader(const JpegReader&) = delete;
+  JpegReader& operator=(const JpegReader&) = delete;
+  ~JpegReader() { jpeg_destroy_decompress(&info_); }
 
   bool read_header() {
     info_.err = handler(errors_);
@@ -117,12 +117,12 @@ class Reader {
   jpeg_progress_mgr progress_{};
 };
 
-class Writer {
+class JpegWriter {
  public:
-  Writer() = default;
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
-  ~Writer() {
+  JpegWriter() = default;
+  JpegWriter(const JpegWriter&) = delete;
+  JpegWriter& operator=(const JpegWriter&) = delete;
+  ~JpegWriter() {
     jpeg_destroy_compress(&info_);
     std::free(bytes_);
   }
@@ -159,7 +159,7 @@ class Writer {
 }  // namespace
 
 Result<Raster> decode_jpeg(Bytes bytes) {
-  Reader reader(bytes);
+  JpegReader reader(bytes);
   if (!reader.read_header()) return damaged("JPEG", reader.words());
   if (auto checked = check_size("JPEG", reader.width(), reader.height()); !checked)
     return tl::unexpected(checked.error());
@@ -176,7 +176,7 @@ Result<Raster> decode_jpeg(Bytes bytes) {
 
 Result<std::vector<std::uint8_t>> encode_jpeg(const Pixels& pixels, int quality) {
   if (auto checked = check_pixels(pixels, 8); !checked) return tl::unexpected(checked.error());
-  Writer writer;
+  JpegWriter writer;
   if (!writer.write(pixels, quality)) return fail(fmt::format("cannot be encoded ({})", writer.words()));
   return writer.bytes();
 }

@@ -23,16 +23,16 @@ struct Words {
 }
 void on_warning(png_structp, png_const_charp) {}
 
-class Reader {
+class PngReader {
  public:
-  explicit Reader(Bytes bytes) : rest_(bytes) {
+  explicit PngReader(Bytes bytes) : rest_(bytes) {
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &words_, on_error, on_warning);
     if (png_ != nullptr) info_ = png_create_info_struct(png_);
     if (info_ == nullptr) throw std::bad_alloc();
   }
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
-  ~Reader() { png_destroy_read_struct(&png_, &info_, nullptr); }
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+  ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
 
   bool read_header() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
@@ -82,16 +82,16 @@ class Reader {
   png_infop info_ = nullptr;
 };
 
-class Writer {
+class PngWriter {
  public:
-  Writer() {
+  PngWriter() {
     png_ = png_create_write_struct(PNG_LIBPNG_VER_STRING, &words_, on_error, on_warning);
     if (png_ != nullptr) info_ = png_create_info_struct(png_);
     if (info_ == nullptr) throw std::bad_alloc();
   }
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
-  ~Writer() { png_destroy_write_struct(&png_, &info_); }
+  PngWriter(const PngWriter&) = delete;
+  PngWriter& operator=(const PngWriter&) = delete;
+  ~PngWriter() { png_destroy_write_struct(&png_, &info_); }
 
   bool write(const Pixels& pixels) {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
@@ -136,7 +136,7 @@ constexpr std::uint64_t kMaxPacked = 1032;
 }  // namespace
 
 Result<Raster> decode_png(Bytes bytes) {
-  Reader reader(bytes);
+  PngReader reader(bytes);
   if (!reader.read_header()) return damaged("PNG", reader.words());
   if (auto checked = check_size("PNG", reader.width(), reader.height()); !checked)
     return tl::unexpected(checked.error());
@@ -152,7 +152,7 @@ Result<Raster> decode_png(Bytes bytes) {
 
 Result<std::vector<std::uint8_t>> encode_png(const Pixels& pixels) {
   if (auto checked = check_pixels(pixels); !checked) return tl::unexpected(checked.error());
-  Writer writer;
+  PngWriter writer;
   if (!writer.write(pixels)) return fail(fmt::format("cannot be encoded ({})", writer.words()));
   return std::move(writer.bytes());
 }

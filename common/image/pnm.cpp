@@ -39,7 +39,7 @@ class Text {
 
 constexpr int kDigits = 9;  // of what an int holds
 
-struct Header {
+struct PnmHeader {
   int kind = 0;  ///< 1 to 6
   int width = 0, height = 0;
   int top = 1;  ///< the largest number
@@ -51,9 +51,9 @@ struct Header {
   int bits() const { return top > 255 ? 16 : 8; }
 };
 
-Result<Header> read_header(Bytes bytes) {
+Result<PnmHeader> read_pnm_header(Bytes bytes) {
   if (bytes.size() < 3) return fail("the PNM file is cut short");
-  Header header;
+  PnmHeader header;
   header.kind = bytes[1] - '0';
   if (header.kind < 1 || header.kind > 6) return fail("the PNM is of a kind that is not read");
   Text text(bytes, 2);
@@ -78,7 +78,7 @@ void put(Raster& raster, int y, std::size_t index, int number) {
   std::memcpy(raster.row(y) + 2 * index, &wide, 2);
 }
 
-std::optional<int> next_number(Text& text, const Header& header) {
+std::optional<int> next_number(Text& text, const PnmHeader& header) {
   const auto number = text.next(header.is_bitmap() ? 1 : kDigits);
   if (!number) return std::nullopt;
   if (header.is_bitmap()) return *number != 0 ? 0 : 255;  // 1 is black
@@ -86,7 +86,7 @@ std::optional<int> next_number(Text& text, const Header& header) {
   return header.bits() == 8 ? value * 255 / header.top : value;
 }
 
-Result<Raster> read_text(Bytes bytes, const Header& header) {
+Result<Raster> read_text(Bytes bytes, const PnmHeader& header) {
   const auto numbers = static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.channels());
   // Each number takes a byte or more.
   if (numbers * static_cast<std::size_t>(header.height) > bytes.size())
@@ -105,7 +105,7 @@ Result<Raster> read_text(Bytes bytes, const Header& header) {
 }
 
 /// One character ends the header.
-Result<Raster> read_binary(Bytes bytes, const Header& header) {
+Result<Raster> read_binary(Bytes bytes, const PnmHeader& header) {
   const auto numbers = static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.channels());
   const std::size_t row_bytes =
       header.is_bitmap() ? (numbers + 7) / 8 : numbers * static_cast<std::size_t>(header.bits() / 8);
@@ -130,7 +130,7 @@ Result<Raster> read_binary(Bytes bytes, const Header& header) {
 }  // namespace
 
 Result<Raster> decode_pnm(Bytes bytes) {
-  const auto header = read_header(bytes);
+  const auto header = read_pnm_header(bytes);
   if (!header) return tl::unexpected(header.error());
   return header->is_text() ? read_text(bytes, *header) : read_binary(bytes, *header);
 }

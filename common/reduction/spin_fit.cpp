@@ -18,13 +18,11 @@ constexpr int kMaxBranches = 1000;
 /// Share of the window's width next to its limit where a turn more is as likely as the spin itself.
 constexpr double kNearLimit = 0.05;
 
-using Line = SpinLine;
-
 /// The line through readings `pair` and `pair + 1` with that spin, extended to the others, nearest first.
-Line follow(const std::vector<EquatorReading>& readings, std::size_t pair, double omega) {
+SpinLine follow(const std::vector<EquatorReading>& readings, std::size_t pair, double omega) {
   const EquatorReading& first = readings[pair];
   const EquatorReading& second = readings[pair + 1];
-  Line line;
+  SpinLine line;
   line.add(first.time_s, first.angle_rad, weight(first, omega));
   line.add(second.time_s, first.angle_rad + omega * (second.time_s - first.time_s), weight(second, omega));
   std::size_t before = pair;
@@ -45,12 +43,12 @@ Line follow(const std::vector<EquatorReading>& readings, std::size_t pair, doubl
 }
 
 struct Proposal {
-  Line line;
+  SpinLine line;
   double omega = 0.0;
   double cost = 0.0;
 };
 
-double robust_cost(const std::vector<EquatorReading>& readings, const Line& line) {
+double robust_cost(const std::vector<EquatorReading>& readings, const SpinLine& line) {
   double cost = 0.0;
   for (const EquatorReading& r : readings) {
     const double miss = wrap_half_turn(r.angle_rad - line.at(r.time_s));
@@ -95,7 +93,7 @@ std::vector<Proposal> propose(const std::vector<EquatorReading>& readings,
     for (int k = -most; k <= most; ++k) {
       const double omega = base + k * branch;
       if (!within(omega, limit)) continue;
-      const Line line = follow(readings, i, omega);
+      const SpinLine line = follow(readings, i, omega);
       if (!within(line.slope(), limit)) continue;
       proposals.push_back({line, line.slope(), robust_cost(readings, line) + robust_cost(left_out, line)});
     }
@@ -103,7 +101,7 @@ std::vector<Proposal> propose(const std::vector<EquatorReading>& readings,
   return proposals;
 }
 
-void finish(const std::vector<EquatorReading>& readings, const Line& line, SpinFit& fit) {
+void finish(const std::vector<EquatorReading>& readings, const SpinLine& line, SpinFit& fit) {
   fit.omega_radps = line.slope();
   fit.variance = 1.0 / line.moment();
   fit.residual_rad.reserve(readings.size());
@@ -137,7 +135,7 @@ Proposal best_of(const std::vector<Proposal>& proposals, const std::vector<Equat
   // Noise at the very edge of the window took every line out of it: keep the first pair's own spin.
   const double omega = wrap_half_turn(readings[1].angle_rad - readings[0].angle_rad) /
                        (readings[1].time_s - readings[0].time_s);
-  const Line line = follow(readings, 0, omega);
+  const SpinLine line = follow(readings, 0, omega);
   return {line, line.slope(), robust_cost(readings, line)};
 }
 
@@ -146,8 +144,9 @@ double span_s(const std::vector<EquatorReading>& readings) {
 }
 
 /// The same line with another spin, about the reading that both go through, fitted once more.
-Line turned(const std::vector<EquatorReading>& readings, const Line& line, double by_radps, double time_s) {
-  Line other;
+SpinLine turned(const std::vector<EquatorReading>& readings, const SpinLine& line, double by_radps,
+                double time_s) {
+  SpinLine other;
   for (const EquatorReading& r : readings) {
     const double expected = line.at(r.time_s) + by_radps * (r.time_s - time_s);
     other.add(r.time_s, expected + wrap_half_turn(r.angle_rad - expected),
@@ -180,14 +179,14 @@ class Alternatives {
     for (int k = -count; k <= count; ++k) {
       const double omega = best_.omega + k * branch;
       if (k == 0 || within(omega, window) || !within(omega, fastest_radps)) continue;
-      const Line line = turned(readings_, best_.line, k * branch, shortest.from_s);
+      const SpinLine line = turned(readings_, best_.line, k * branch, shortest.from_s);
       add(line);
     }
   }
 
  private:
   /// The best line's own decay need not be the assumed one either.
-  bool explains_as_well(const Line& line) {
+  bool explains_as_well(const SpinLine& line) {
     const double of_left_out = robust_cost(left_out_, line);
     const double cost = robust_cost(readings_, line) + of_left_out;
     if (cost < kComparableSpins) return true;  // none costs less than nothing
@@ -198,7 +197,7 @@ class Alternatives {
     return cost_at_any_decay(readings_, line, decay_per_s_) + of_left_out < least_ + kComparableSpins;
   }
 
-  void add(const Line& line) {
+  void add(const SpinLine& line) {
     const double omega = line.slope();
     const auto same = [&](double known) { return std::abs(known - omega) <= apart_radps_; };
     if (same(best_.omega) || !explains_as_well(line)) return;
@@ -249,7 +248,7 @@ SpinFit fit_steady_spin(const std::vector<EquatorReading>& readings,
   SpinFit fit;
   fit.window_radps = window;
   fit.interval_s = shortest.length_s;
-  const Line line = through_all(readings, best.line);
+  const SpinLine line = through_all(readings, best.line);
   finish(readings, line, fit);
   allow_for_decay(readings, line, search.decay_sd_per_s, fit);
   fit.near_limit =

@@ -83,7 +83,7 @@ std::string duration_text(double seconds) {
 }
 
 /// The row's cells by their columns; those of numbers as numbers, absent ones null.
-std::string row_json(const FinishedRow& row) {
+std::string finished_row_json(const FinishedRow& row) {
   const auto columns = batch_columns();
   const auto cells = csv_fields(row.line);
   nlohmann::ordered_json object;
@@ -104,7 +104,7 @@ class ProgressTeller {
   ProgressTeller(std::int64_t photographs, bool json) : photographs_(photographs), json_(json) {}
 
   void operator()(const FinishedRow& row, const BatchProgress& progress) {
-    if (json_ && !row.earlier) std::puts(row_json(row).c_str());
+    if (json_ && !row.earlier) std::puts(finished_row_json(row).c_str());
     const HostTime now = steady_now();
     if (now - told_ < std::chrono::seconds{5}) return;
     told_ = now;

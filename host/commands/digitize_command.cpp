@@ -25,7 +25,6 @@ namespace strobe::host {
 namespace {
 
 namespace fs = std::filesystem;
-using digitize::Digitization;
 using digitize::DigitizeSettings;
 using digitize::Photograph;
 
@@ -140,7 +139,7 @@ class Digitizer {
                                    {.rejected = options_.explain});
   }
 
-  void tell(const Digitization& found, const DigitizeSettings& settings,
+  void tell(const digitize::Digitization& found, const DigitizeSettings& settings,
             const std::string& photograph) const {
     if (options_.json) {
       std::puts(digitization_json(found, photograph, settings, options_.explain).c_str());

@@ -11,7 +11,6 @@ namespace strobe::host {
 
 namespace {
 
-using digitize::Digitization;
 using digitize::DigitizeSettings;
 using reduction::BallImage;
 using reduction::Leg;
@@ -48,7 +47,7 @@ std::string image_line(const BallImage& image, std::size_t index) {
   return line + (image.source == "hand" ? " hand" : "");
 }
 
-std::vector<std::string> surface_lines(const Digitization& digitization) {
+std::vector<std::string> surface_lines(const digitize::Digitization& digitization) {
   std::vector<std::string> lines;
   const auto& points = digitization.frame.surface_px;
   if (points.size() >= 2) {
@@ -65,7 +64,8 @@ std::vector<std::string> surface_lines(const Digitization& digitization) {
   return lines;
 }
 
-std::vector<std::string> scale_lines(const Digitization& digitization, const DigitizeSettings& settings) {
+std::vector<std::string> scale_lines(const digitize::Digitization& digitization,
+                                     const DigitizeSettings& settings) {
   std::vector<std::string> lines;
   if (settings.px_per_m)
     lines.push_back(fmt::format("scale: {} px/m{}", *settings.px_per_m,
@@ -81,8 +81,8 @@ std::vector<std::string> scale_lines(const Digitization& digitization, const Dig
 
 }  // namespace
 
-std::vector<std::string> digitization_lines(const Digitization& digitization, const std::string& photograph,
-                                            const DigitizeSettings& settings) {
+std::vector<std::string> digitization_lines(const digitize::Digitization& digitization,
+                                            const std::string& photograph, const DigitizeSettings& settings) {
   const auto& images = digitization.frame.images;
   std::vector<std::string> lines;
   lines.push_back(
@@ -105,7 +105,7 @@ std::vector<std::string> digitization_lines(const Digitization& digitization, co
   return lines;
 }
 
-std::vector<std::string> unmeasured_lines(const Digitization& digitization) {
+std::vector<std::string> unmeasured_lines(const digitize::Digitization& digitization) {
   std::vector<std::string> lines;
   for (const auto& u : digitization.unmeasured) {
     lines.push_back(fmt::format("no {} at ({:.1f}, {:.1f}), {:.0f} px wide: {}{}{}", u.what, u.centre.x,
@@ -115,7 +115,7 @@ std::vector<std::string> unmeasured_lines(const Digitization& digitization) {
   return lines;
 }
 
-std::string stages_line(const Digitization& digitization) {
+std::string stages_line(const digitize::Digitization& digitization) {
   std::string line = "strobe: digitize: took";
   double total_ms = 0.0;
   for (const auto& [stage, ms] : digitization.stage_ms) {

@@ -16,13 +16,13 @@ using Microseconds = std::chrono::duration<double, std::micro>;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
 template <typename Unit>
-Duration rounded(double value) {
+Duration to_duration(double value) {
   return Duration{std::llround(value * static_cast<double>(std::nano::den / Unit::period::den))};
 }
 
 template <typename Unit>
 Duration read_duration(config::TomlTable& table, const char* key, Duration fallback, config::Range range) {
-  return rounded<Unit>(table.number_or(key, Unit(fallback).count(), range));
+  return to_duration<Unit>(table.number_or(key, Unit(fallback).count(), range));
 }
 
 /// Of the whole train, before any flash is left out; no more than a coded train may have, and one.
@@ -80,7 +80,7 @@ void read_code(config::TomlTable& table, PlanFile& plan) {
     if (table.has("period_us")) table.error_at("intervals_us", "instead of period_us, not beside it");
     plan.intervals.clear();
     for (const double us : table.numbers_or("intervals_us", {}, kPeriod_us))
-      plan.intervals.push_back(rounded<Microseconds>(us));
+      plan.intervals.push_back(to_duration<Microseconds>(us));
     if (plan.intervals.size() > kMaxCodedFlashes)
       table.error_at("intervals_us", fmt::format("more than {}", kMaxCodedFlashes));
   }

@@ -8,7 +8,6 @@
 namespace strobe::host {
 namespace {
 
-using digitize::Digitization;
 using digitize::DigitizeSettings;
 using nlohmann::ordered_json;
 
@@ -51,7 +50,7 @@ ordered_json unmeasured_json(const digitize::Unmeasured& unmeasured) {
 
 }  // namespace
 
-std::string digitization_json(const Digitization& digitization, const std::string& photograph,
+std::string digitization_json(const digitize::Digitization& digitization, const std::string& photograph,
                               const DigitizeSettings& settings, bool explain) {
   ordered_json more;
   more["photograph"] = photograph;

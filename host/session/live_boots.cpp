@@ -7,7 +7,7 @@
 namespace strobe::host {
 namespace {
 
-constexpr std::size_t kMaxBoots = 8;
+constexpr std::size_t kMaxLiveBoots = 8;
 // One that has ended is no reason to wait for longer than it takes to miss three heartbeats.
 constexpr Duration kUnprovenHeard = milliseconds{1600};
 constexpr Duration kAskEvery = milliseconds{700};
@@ -33,7 +33,7 @@ LiveBoots::Verdict LiveBoots::Boot::verdict() const {
 
 /// Of too many the one heard longest ago is forgotten.
 LiveBoots::Boot& LiveBoots::boot_of(std::int64_t boot_id) {
-  if (!boots_.contains(boot_id) && boots_.size() == kMaxBoots)
+  if (!boots_.contains(boot_id) && boots_.size() == kMaxLiveBoots)
     boots_.erase(std::ranges::min_element(boots_, {}, [](const auto& boot) { return boot.second.heard; }));
   return boots_[boot_id];
 }
@@ -77,7 +77,8 @@ std::int64_t LiveBoots::draw(const Boots::value_type& boot, HostTime now) {
   const auto seed = static_cast<std::uint64_t>(boot.first ^ now.time_since_epoch().count());
   auto drawn = 1 + static_cast<std::int64_t>(mixed(seed + ++drawn_) % static_cast<std::uint64_t>(known));
   const auto taken = [&drawn](const auto& other) { return other.second.asked == drawn; };
-  for (std::size_t i = 0; i < kMaxBoots && std::ranges::any_of(boots_, taken); ++i) drawn = drawn % known + 1;
+  for (std::size_t i = 0; i < kMaxLiveBoots && std::ranges::any_of(boots_, taken); ++i)
+    drawn = drawn % known + 1;
   return drawn;
 }
 

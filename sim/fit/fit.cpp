@@ -22,7 +22,6 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kMaxEquatorNoise_rad = kDegree;
 constexpr double kNoMiss = 0.01;
 
-double square(double x) { return x * x; }
 double left_over(double sd, double noise) { return std::sqrt(std::max(0.0, square(sd) - square(noise))); }
 
 /// How many images a straight leg leaves in the camera's view.

@@ -14,9 +14,7 @@ namespace {
 /// Of mu, and of the stiffness and the offset: none may come out negative.
 constexpr double kMaxFrictionSpread = 0.25;
 constexpr double kMaxSpringSpread = 0.3;
-constexpr int kRounds = 6;
-
-double square(double x) { return x * x; }
+constexpr int kSpreadRounds = 6;
 
 /// Parameters of a shot's lift-off, in the order of field().
 enum Parameter : std::size_t { kSpeed, kAngle, kSpin, kRestitution, kMu, kStiffness, kOffset };
@@ -173,7 +171,7 @@ Found spread_by(const Scene& scene, Parameter grip, const LiftOffVariances& ther
                 .there = there,
                 .published = published};
   Spreads spreads{.grip_sd = 0.5 * search.most_grip_sd, .offset_sd = 0.5 * search.most_offset_sd};
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kSpreadRounds; ++round) {
     search.per_grip = secant(scene, grip, std::max(spreads.grip_sd, 1e-3 * search.grip));
     search.per_offset = secant(scene, kOffset, std::max(spreads.offset_sd, 1e-3 * search.offset));
     spreads = best_of(search);

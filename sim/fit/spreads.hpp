@@ -7,6 +7,8 @@
 
 namespace strobe::sim {
 
+inline double square(double x) { return x * x; }
+
 /// Of velocities and spin at lift-off, SI.
 struct LiftOffVariances {
   double vx = 0.0;

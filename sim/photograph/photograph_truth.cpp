@@ -15,7 +15,7 @@ namespace {
 using nlohmann::json;
 using reduction::PointPx;
 
-constexpr int kOutlinePoints = 256;
+constexpr int kTruePoints = 256;
 
 /// The scene's camera with a perfect lens, square to the plane.
 Scene without_distortion(Scene scene) {
@@ -112,13 +112,12 @@ class Truth {
   }
 
   void tell_share(const Vec3& centre, ImageTruth& image) const {
-    const std::vector<Vec2> outline =
-        outline_on_sensor(optics_, centre, scene_.ball.radius_m(), kOutlinePoints);
+    const std::vector<Vec2> outline = outline_on_sensor(optics_, centre, scene_.ball.radius_m(), kTruePoints);
     const auto inside = std::ranges::count_if(outline, [&](const Vec2& p) {
       return p.x >= -0.5 && p.y >= -0.5 && p.x <= sensor().width - 0.5 && p.y <= sensor().height - 0.5;
     });
-    image.whole = inside == kOutlinePoints;
-    image.share_on_sensor = static_cast<double>(inside) / kOutlinePoints;
+    image.whole = inside == kTruePoints;
+    image.share_on_sensor = static_cast<double>(inside) / kTruePoints;
   }
 
   Scene scene_;

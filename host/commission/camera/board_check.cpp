@@ -18,17 +18,17 @@ namespace {
 using camera::BoardView;
 
 /// A pair of neighbours on the board.
-struct Step {
+struct Spacing {
   double across, upwards;  ///< from the photograph's middle, over its width and height
   double log_ratio;        ///< of the length by the rig file's map over that on the board
 };
 
-std::vector<Step> steps_of(const BoardView& view, int width_px, int height_px, const digitize::PlaneMap& map,
-                           double px_per_m) {
+std::vector<Spacing> spacings_of(const BoardView& view, int width_px, int height_px,
+                                 const digitize::PlaneMap& map, double px_per_m) {
   double spacing_m = 1e9;
   for (std::size_t i = 1; i < view.board_m.size(); ++i)
     spacing_m = std::min(spacing_m, cv::norm(view.board_m[i] - view.board_m[0]));
-  std::vector<Step> steps;
+  std::vector<Spacing> spacings;
   for (std::size_t i = 0; i < view.board_m.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       const double on_board_m = cv::norm(view.board_m[i] - view.board_m[k]);
@@ -36,28 +36,28 @@ std::vector<Step> steps_of(const BoardView& view, int width_px, int height_px, c
       const double by_map_m =
           cv::norm(map.to_plane(view.image_px[i]) - map.to_plane(view.image_px[k])) / px_per_m;
       const cv::Point2d middle = 0.5 * (view.image_px[i] + view.image_px[k]);
-      steps.push_back(
+      spacings.push_back(
           {middle.x / width_px - 0.5, 0.5 - middle.y / height_px, std::log(by_map_m / on_board_m)});
     }
   }
-  return steps;
+  return spacings;
 }
 
 /// A map of too many px a metre makes lengths too short.
-void fit_scale(std::span<const Step> steps, BoardCheck& check) {
+void fit_scale(std::span<const Spacing> spacings, BoardCheck& check) {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Step& s : steps) {
+  for (const Spacing& s : spacings) {
     const Eigen::Vector3d row(1.0, s.across, s.upwards);
     information += row * row.transpose();
     sum -= s.log_ratio * row;
   }
   const Eigen::Vector3d terms = information.ldlt().solve(sum);
   double squares = 0.0;
-  for (const Step& s : steps)
+  for (const Spacing& s : spacings)
     squares += std::pow(s.log_ratio + terms.dot(Eigen::Vector3d(1.0, s.across, s.upwards)), 2.0);
   const Eigen::Matrix3d covariance =
-      squares / std::max(1.0, static_cast<double>(steps.size()) - 3.0) * information.inverse();
+      squares / std::max(1.0, static_cast<double>(spacings.size()) - 3.0) * information.inverse();
   check.scale_off = std::expm1(terms[0]);
   check.across = terms[1], check.upwards = terms[2];
   check.scale_sd = std::sqrt(covariance(0, 0));
@@ -91,7 +91,7 @@ Result<BoardCheck> check_board(std::span<const BoardView> views, int width_px, i
   check.views = static_cast<int>(views.size());
   check.covered = covered_share(views, width_px, height_px);
   check.residual_px = found->fit.sigma_px;
-  fit_scale(steps_of(views.front(), width_px, height_px, map, px_per_m), check);
+  fit_scale(spacings_of(views.front(), width_px, height_px, map, px_per_m), check);
   return check;
 }
 

@@ -19,7 +19,7 @@ using reduction::Leg;
 // A match that is worse by this much in chi-squared per degree of freedom has the wrong direction.
 constexpr double kClearlyWorse = 12.0;
 // Legs whose speeds along the normal differ by less than this share do not tell the direction.
-constexpr double kSameSpeed = 0.04;
+constexpr double kSameNormalSpeed = 0.04;
 constexpr double kMinNoise_px = 0.1;
 
 const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
@@ -131,7 +131,7 @@ class Orderer {
     }
     const double difference = in_right - in_left;
     if (in_right <= 0.0 || in_left <= 0.0 ||
-        std::abs(difference) < kSameSpeed * std::max(in_right, in_left)) {
+        std::abs(difference) < kSameNormalSpeed * std::max(in_right, in_left)) {
       result_.remarks.push_back("the two legs do not tell the direction of travel: taken to be to the right");
       return take(right, tr);
     }

@@ -45,7 +45,7 @@ int rank_of(const std::string& spin) {
   return static_cast<int>(std::find(known.begin(), known.end(), spin) - known.begin());
 }
 
-std::string label_of(const std::string& spin, const std::string& angle) {
+std::string group_label(const std::string& spin, const std::string& angle) {
   if (spin.empty() && angle.empty()) return "condition not named";
   const std::string words = rank_of(spin) < 3 ? std::string(report::spin_phrase(spin)) : spin;
   if (angle.empty()) return words;
@@ -81,7 +81,7 @@ std::vector<ConditionGroup> conditions_of(const std::vector<ReportShot>& shots, 
     group.spin = spin;
     group.angle = angle;
     group.key = key_of(spin, angle);
-    group.label = label_of(spin, angle);
+    group.label = group_label(spin, angle);
     group.shots.push_back(each);
   }
   std::vector<ConditionGroup> out;
