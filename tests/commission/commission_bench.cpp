@@ -68,10 +68,6 @@ class Bench {
     outcome.seconds = 1e-9 * static_cast<double>(testing::monotonic_now_ns() - begun_ns);
     rig.signal(SIGTERM);
     rig.wait(60s);
-    // What a busy machine does to a real-time loop is none of the rig's faults.
-    outcome.overrun = rig.err().find("the loop hung") != std::string::npos;
-    for (const nlohmann::json& truth : testing::read_json_lines(file("truth.jsonl")))
-      outcome.overrun = outcome.overrun || truth.at("overrun").get<bool>();
     if (!options_.keep.empty()) {
       testing::write_text(file("commission.err"), outcome.err);
       testing::write_text(file("rig.err"), rig.err());
@@ -103,8 +99,7 @@ class Bench {
     const auto written = testing::run_process(writing, 60s);
     if (written.status != testing::ExitStatus({0, 0})) throw std::runtime_error(written.err);
     std::string rig = testing::read_text(file("rig.toml"));
-    // Lateness of a busy machine is none of the rig's faults; callipers in ten places; a camera that takes its time.
-    rig = replaced(rig, "late_us = 100\n", "late_us = 1000\n");
+    // Callipers in ten places; a camera that takes its time.
     rig = replaced(rig, "photograph_timeout_s = 60.0", "photograph_timeout_s = 20.0");
     rig = replaced(rig, "diameter_sd_m = 0.0002", "diameter_sd_m = 0.0001");
     for (const auto& [from, to] : options_.rig_edits) rig = replaced(rig, from, to);
@@ -180,15 +175,6 @@ std::vector<std::string> Outcome::failures() const {
   return ids;
 }
 
-Outcome commission(const BenchOptions& options, const std::function<bool(const Outcome&)>& as_expected) {
-  constexpr int kTries = 4;
-  Outcome outcome;
-  for (int i = 0; i < kTries; ++i) {
-    outcome = Bench(options).run();
-    if (!outcome.overrun || (outcome.trouble.empty() && as_expected(outcome))) return outcome;
-  }
-  outcome.trouble += "the machine is too busy to simulate the rig in real time";
-  return outcome;
-}
+Outcome commission(const BenchOptions& options) { return Bench(options).run(); }
 
 }  // namespace strobe::commission_bench

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -29,7 +28,6 @@ struct Outcome {
   std::vector<nlohmann::json> steps;  ///< as printed
   std::string err;                    ///< of strobe commission
   std::string trouble;                ///< why there is no outcome; empty: there is one
-  bool overrun = false;  ///< the simulation fell behind real time: sensors' edges came late or were lost
   double seconds = 0.0;
 
   const nlohmann::json* step(const std::string& id) const;
@@ -37,7 +35,6 @@ struct Outcome {
   std::vector<std::string> failures() const;
 };
 
-/// Where the simulation could not keep up and the outcome is not the expected one, the rig is commissioned again.
-Outcome commission(const BenchOptions& options, const std::function<bool(const Outcome&)>& as_expected);
+Outcome commission(const BenchOptions& options);
 
 }  // namespace strobe::commission_bench

@@ -190,19 +190,14 @@ class Attempt {
   }
 
  private:
-  /// False if no shot came so far in a dozen, as on a machine that stands still.
+  /// False if no shot came so far.
   bool reach_moment(LineWatcher& watch) {
     if (trial_.moment == Moment::at_rest) return true;
-    for (int attempt = 0; attempt < 12; ++attempt) {
-      token_ = host_.arm();
-      if (token_ == 0) return false;
-      if (trial_.moment == Moment::armed) return true;
-      fire();
-      if (moment_comes(watch)) return true;
-      const auto over = [this] { return host_.status().state == strobe_msgs::status_t::SPENT; };
-      if (!host_.wait(over, 10s)) return false;
-    }
-    return false;
+    token_ = host_.arm();
+    if (token_ == 0) return false;
+    if (trial_.moment == Moment::armed) return true;
+    fire();
+    return moment_comes(watch);
   }
 
   bool moment_comes(LineWatcher& watch) const {

@@ -28,6 +28,9 @@ using strobe::testing::monotonic_now_ns;
 
 namespace {
 
+/// In the machine's time: a freeze long enough to make a shot late falls into one of five.
+constexpr int kFlashAttempts = 10;
+
 /// What is judged here is how prompt strobed is.
 const std::vector<std::string> kRealTime{"--time", "real"};
 /// Of time in which the machine ran: a virtual one stands still for 10-170 ms in 1-2 % of the time.
@@ -158,7 +161,7 @@ std::int64_t do_in_mid_train(const RigFixture& bench, RawHost& host, const Way& 
   };
   for (int attempt = 0; attempt < kFlashAttempts; ++attempt) {
     LineWatcher watch(bench.chip_dir());
-    CHECK_TEXT(host.fire_until_flash(watch, shot) != 0, way.name);
+    CHECK_TEXT(host.fire_until_flash(watch, shot, kFlashAttempts) != 0, way.name);
     // A machine that stood still may have aborted it since.
     if (*way.drill != '\0' || watch.state("SHUTTER").level != 0) return way.end(bench, watch);
   }
@@ -364,8 +367,8 @@ TEST(Death, OfNobodyIsTheEndOfStandardErrorOrOfTheNetwork) {
   RawHost host(bench.lcm_url(), "bench");
   CHECK(host.wait_status());
   LineWatcher watch(bench.chip_dir());
-  CHECK(host.fire_until_flash(watch,
-                              [&host](std::int64_t token) { return host.fire_command(token, false); }) != 0);
+  const auto shot_of = [&host](std::int64_t token) { return host.fire_command(token, false); };
+  CHECK(host.fire_until_flash(watch, shot_of, kFlashAttempts) != 0);
   const strobe::testing::Command no_route{{"ip", "route", "del", "224.0.0.0/4", "dev", "lo"}, {}, {}, {}};
   const strobe::testing::Command route{{"ip", "route", "add", "224.0.0.0/4", "dev", "lo"}, {}, {}, {}};
   const bool cut = strobe::testing::run_process(no_route, 5s).status == strobe::testing::ExitStatus({0, 0});

@@ -74,7 +74,7 @@ TEST(Install, FiresAShotFromWhereItWasMoved) {
        {}},
       folder.path());
   CHECK_TEXT(sim.wait_for_err("strobed: ready", kLongestWait), sim.err().c_str());
-  const auto fired = run_process({{bin("strobe"), "fire", "--shots", "1", "--retries", "9", "--session",
+  const auto fired = run_process({{bin("strobe"), "fire", "--shots", "1", "--retries", "0", "--session",
                                    session, "--lcm-url", url, "--json"},
                                   {},
                                   {},

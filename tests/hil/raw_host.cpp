@@ -133,8 +133,8 @@ std::int64_t RawHost::arm(std::chrono::milliseconds limit) {
   return wait(given, limit) ? status_.arm_token : 0;
 }
 
-std::int64_t RawHost::fire_until_flash(LineWatcher& watch, const ShotOfToken& shot) {
-  for (int attempt = 0; attempt < kFlashAttempts; ++attempt) {
+std::int64_t RawHost::fire_until_flash(LineWatcher& watch, const ShotOfToken& shot, int shots) {
+  for (int fired = 0; fired < shots; ++fired) {
     const std::int64_t token = arm();
     if (token == 0) throw std::runtime_error("no token: " + status_.message);
     send(shot(token));

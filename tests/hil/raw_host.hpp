@@ -21,9 +21,6 @@
 
 namespace strobe::hil {
 
-/// A freeze long enough to make a shot late falls into one of five; ten in a row are one in ten million.
-inline constexpr int kFlashAttempts = 10;
-
 class RawHost {
  public:
   RawHost(const std::string& lcm_url, const std::string& rig);
@@ -38,9 +35,9 @@ class RawHost {
   /// Asks for a new token, as a person who has a stop reset first; 0: none was given.
   std::int64_t arm(std::chrono::milliseconds limit = std::chrono::seconds(10));
   using ShotOfToken = std::function<strobe_msgs::command_t(std::int64_t token)>;
-  /// Arms and fires until a first flash is seen, since a machine that stands still is late with shots before it;
-  /// the instant of that flash, or 0 after kFlashAttempts. std::runtime_error if none can be fired.
-  std::int64_t fire_until_flash(LineWatcher& watch, const ShotOfToken& shot);
+  /// Arms and fires until a first flash is seen; the instant of that flash, or 0 after so many shots that came late,
+  /// as in the machine's own time. std::runtime_error if none can be fired.
+  std::int64_t fire_until_flash(LineWatcher& watch, const ShotOfToken& shot, int shots = 1);
   /// A dry or live shot of the rig file's kind: 3 ms, 200 ms exposure.
   strobe_msgs::command_t fire_command(std::int64_t token, bool dry);
   strobe_msgs::command_t command(std::int8_t kind);  ///< addressed to the boot last seen, with the next id

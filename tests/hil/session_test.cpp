@@ -84,7 +84,7 @@ TEST(Session, TheFirstCtrlCFinishesTheShotUnderWayAndTheSessionCanBeGoneOnWith) 
   expect_ready(bench);
   const std::string host = bench.folder() / "host";
   strobe::testing::Command fire = bench.strobe(
-      {"fire", "--shots", "3", "--retries", "20", "--session", host, "--plain", "--spin", "zero"});
+      {"fire", "--shots", "3", "--retries", "0", "--session", host, "--plain", "--spin", "zero"});
   LineWatcher watch(bench.chip_dir());
   auto first = bench.start(fire);
   CHECK(watch.wait_for("SHUTTER", 1, kLongestWait) != 0);
@@ -121,7 +121,7 @@ TEST(Session, CtrlBackslashStopsTheShotUnderWayAtOnce) {
   RigFixture bench(patient());
   expect_ready(bench);
   LineWatcher watch(bench.chip_dir());
-  auto fire = bench.start(bench.fire(3, 20));
+  auto fire = bench.start(bench.fire(3, 0));
   CHECK(watch.wait_for("SHUTTER", 1, kLongestWait) != 0);
   fire.signal(SIGQUIT);
   CHECK_EQUAL(ExitStatus({1, 0}), fire.wait(kLongestWait));

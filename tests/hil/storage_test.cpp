@@ -31,7 +31,7 @@ Command through_shell(const std::string& script, const Command& command) {
 }
 
 Command fire_elsewhere(RigFixture& bench, int shots) {
-  return bench.strobe({"fire", "--shots", std::to_string(shots), "--retries", "20", "--session",
+  return bench.strobe({"fire", "--shots", std::to_string(shots), "--retries", "0", "--session",
                        bench.folder() / "host", "--json"});
 }
 
