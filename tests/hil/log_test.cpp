@@ -9,6 +9,7 @@
 #include "tests/hil/expect_ready.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/hil/short_shots.hpp"
 
 #include "tests/support/string_from.hpp"
 
@@ -19,12 +20,6 @@ using strobe::testing::ExitStatus;
 using strobe::testing::Process;
 
 namespace {
-
-RigFixtureOptions short_shots() {
-  RigFixtureOptions options;
-  options.rig_edits = kShortExposure;
-  return options;
-}
 
 Command logger(const RigFixture& bench, const std::filesystem::path& log) {
   return {{"lcm-logger", "--quiet", "--lcm-url=" + bench.lcm_url(), log}, {}, {}, {}};
@@ -127,12 +122,9 @@ TEST(Log, OfTheSessionsFolderIsRecomputedToTheSameBytes) {
   const auto fired = strobe::testing::run_process(bench.fire(2, 0), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   bench.finish();
-  std::filesystem::path host_log;
-  for (const auto& entry : std::filesystem::directory_iterator(bench.session()))
-    if (entry.path().filename().string().rfind("host-", 0) == 0) host_log = entry.path();
-  CHECK(!host_log.empty());
-  const auto replayed =
-      strobe::testing::run_process(bench.strobe({"replay", host_log, "--json"}), kLongestWait);
+  const std::filesystem::path log = host_log(bench.session());
+  CHECK(!log.empty());
+  const auto replayed = strobe::testing::run_process(bench.strobe({"replay", log, "--json"}), kLongestWait);
   CHECK_EQUAL(ExitStatus({0, 0}), replayed.status);
   CHECK_EQUAL(readout_lines(fired.out), readout_lines(replayed.out));
 }

@@ -6,6 +6,7 @@
 
 #include "tests/hil/expect_ready.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/hil/short_shots.hpp"
 #include "tests/hil/truth_score.hpp"
 #include "tests/support/json_lines.hpp"
 
@@ -16,23 +17,6 @@ using namespace std::chrono_literals;
 using strobe::testing::ExitStatus;
 
 namespace {
-
-/// A ball of 98 px: quick to render and to measure on a busy machine.
-RigFixtureOptions small_sensor(const std::filesystem::path& photographs) {
-  RigFixtureOptions options;
-  options.scene_addition = "[camera]\npx_per_m = 1500\norigin_x_px = 600\norigin_y_px = 150\n";
-  options.rig_edits = kShortExposure;
-  options.rig_edits.emplace_back("photograph_timeout_s = 5", "photograph_timeout_s = 60");
-  options.rig_edits.emplace_back("\npx_per_m = 4000.0", "\npx_per_m = 1500\npx_per_m_sd = 0.5");
-  options.sim_options = {"--photographs", photographs};
-  return options;
-}
-
-std::filesystem::path host_log(const RigFixture& bench) {
-  for (const auto& entry : std::filesystem::directory_iterator(bench.session()))
-    if (entry.path().filename().string().rfind("host-", 0) == 0) return entry.path();
-  return {};
-}
 
 int files_in(const std::filesystem::path& folder) {
   int count = 0;
@@ -58,7 +42,7 @@ TEST_GROUP(Photographs){};
 TEST(Photographs, AreReadOutAsTheyArriveAndAJunkFileStopsNothing) {
   const strobe::testing::TemporaryFolder camera;
   strobe::testing::write_text(camera / "old.tif", "of another day");
-  RigFixture bench(small_sensor(camera.path()));
+  RigFixture bench(with_small_photographs(short_shots(), camera.path()));
   expect_ready(bench);
   auto fire = bench.start(bench.fire(2, 0, {"--photographs", camera.path(), "--effort", "fast"}));
   CHECK(fire.wait_for_err("photographs from", kLongestWait));
@@ -88,8 +72,8 @@ TEST(Photographs, AreReadOutAsTheyArriveAndAJunkFileStopsNothing) {
   CHECK(files_in(bench.session() / "photographs") >= 2);
 
   std::filesystem::remove_all(bench.session() / "photographs");
-  const auto replayed =
-      strobe::testing::run_process(bench.strobe({"replay", host_log(bench), "--json"}), kLongestWait);
+  const auto replayed = strobe::testing::run_process(
+      bench.strobe({"replay", host_log(bench.session()), "--json"}), kLongestWait);
   CHECK_TEXT(replayed.status == ExitStatus({0, 0}), replayed.err.c_str());
   CHECK_EQUAL(readout_lines(printed), readout_lines(replayed.out));
 }

@@ -10,6 +10,7 @@
 #include "common/wire/log_reader.hpp"
 #include "tests/hil/expect_ready.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/hil/short_shots.hpp"
 #include "tests/support/json_lines.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -21,23 +22,6 @@ using strobe::testing::ExitStatus;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A ball of 98 px: quick to render and to measure on a busy machine.
-RigFixtureOptions quick_camera(const fs::path& photographs) {
-  RigFixtureOptions options;
-  options.scene_addition = "[camera]\npx_per_m = 1500\norigin_x_px = 600\norigin_y_px = 150\n";
-  options.rig_edits = kShortExposure;
-  options.rig_edits.emplace_back("photograph_timeout_s = 5", "photograph_timeout_s = 60");
-  options.rig_edits.emplace_back("\npx_per_m = 4000.0", "\npx_per_m = 1500\npx_per_m_sd = 0.5");
-  options.sim_options = {"--photographs", photographs};
-  return options;
-}
-
-fs::path log_in(const fs::path& session) {
-  for (const auto& entry : fs::directory_iterator(session))
-    if (entry.path().filename().string().starts_with("host-")) return entry.path();
-  return {};
-}
 
 int files_ending(const fs::path& folder, const std::string& ending) {
   int count = 0;
@@ -76,7 +60,7 @@ TEST_GROUP(SessionAgain) {
   std::string printed;
 
   void fire(int shots) {
-    bench = std::make_unique<RigFixture>(quick_camera(camera.path()));
+    bench = std::make_unique<RigFixture>(with_small_photographs(short_shots(), camera.path()));
     expect_ready(*bench);
     const auto fired =
         strobe::testing::run_process(bench->fire(shots, 0, {"--photographs", camera.path()}), 240s);
@@ -166,7 +150,7 @@ TEST(SessionAgain, DigitizesWhatAKilledHostLeft) {
   fire(1);
   const std::string session = bench->session();
   const std::string table = results();
-  cut_before_the_first_frame(log_in(bench->session()));
+  cut_before_the_first_frame(host_log(bench->session()));
   fs::remove(bench->session() / "results.csv");
   const auto left = run({"replay", session, "--json"});
   LONGS_EQUAL(readouts(printed).size(), readouts(left.out).size());

@@ -5,6 +5,7 @@
 
 #include "tests/hil/expect_ready.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/hil/short_shots.hpp"
 
 #include "tests/support/string_from.hpp"
 
@@ -15,12 +16,6 @@ using strobe::testing::CompletedProcess;
 using strobe::testing::ExitStatus;
 
 namespace {
-
-RigFixtureOptions short_exposure() {
-  RigFixtureOptions options;
-  options.rig_edits = kShortExposure;
-  return options;
-}
 
 /// As a shell runs it; the command is "$@".
 Command through_shell(const std::string& script, const Command& command) {
@@ -35,17 +30,10 @@ Command fire_elsewhere(RigFixture& bench, int shots) {
                        bench.folder() / "host", "--json"});
 }
 
-std::filesystem::path host_log(const std::filesystem::path& folder) {
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() == ".lcmlog") return entry.path();
-  }
-  return {};
-}
-
 }  // namespace
 
 TEST_GROUP(Storage) {
-  RigFixture bench{short_exposure()};
+  RigFixture bench{short_shots()};
   void setup() override { expect_ready(bench); }
 };
 

@@ -14,6 +14,7 @@
 #include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/hil/short_shots.hpp"
 #include "tests/support/json_lines.hpp"
 
 namespace strobe::resume {
@@ -37,18 +38,11 @@ RigFixtureOptions rig_options(const Trial& trial, const std::filesystem::path& c
   RigFixtureOptions options;
   options.seed = trial.seed;
   options.rig_edits = hil::kShortExposure;
-  // A busy machine makes flashes late; here that is no reason to abort a shot.
-  options.rig_edits.emplace_back("abort_late_us = 1500", "abort_late_us = 300000");
-  // Beside another bench: two loops that are awake leave no core to the simulated rigs.
+  // Nothing here judges flashes: a loop that is awake before each would only take a core from the others.
   options.rig_edits.emplace_back("wake_ahead_us = 4000", "wake_ahead_us = 0");
   options.shell = kAgain;
   if (!trial.photographs) return options;
-  // A ball of 98 px: quick to render and to measure on a busy machine.
-  options.scene_addition = "[camera]\npx_per_m = 1500\norigin_x_px = 600\norigin_y_px = 150\n";
-  options.rig_edits.emplace_back("photograph_timeout_s = 5", "photograph_timeout_s = 60");
-  options.rig_edits.emplace_back("\npx_per_m = 4000.0", "\npx_per_m = 1500\npx_per_m_sd = 0.5");
-  options.sim_options = {"--photographs", camera};
-  return options;
+  return with_small_photographs(options, camera);
 }
 
 enum class Kind { kill, first_interrupt, two_interrupts, terminate, quit, full_disk, firmware_killed };
