@@ -1,5 +1,4 @@
 #include <array>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -7,6 +6,7 @@
 
 #include "common/contact/differentiation/differentiation.hpp"
 #include "common/data/csv.hpp"
+#include "tests/common/contact/wide_cubic_fit.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -16,47 +16,6 @@ using contact::CubicFit;
 using strobe::testing::thesis_data;
 
 namespace {
-
-using Wide = boost::multiprecision::cpp_bin_float_50;
-
-/// Gauss–Jordan on the normal equations in 50 digits: another method in another arithmetic.
-struct WideFit {
-  std::array<Wide, 4> c;
-  std::array<Wide, 4> se;
-  Wide r2;
-};
-
-WideFit wide_fit(const std::vector<double>& t, const std::vector<double>& y) {
-  std::array<std::array<Wide, 9>, 4> m{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    for (std::size_t k = 0; k < t.size(); ++k) {
-      for (std::size_t j = 0; j < 4; ++j) m[i][j] += pow(Wide(t[k]), static_cast<int>(i + j));
-      m[i][4] += Wide(y[k]) * pow(Wide(t[k]), static_cast<int>(i));
-    }
-    m[i][5 + i] = 1;
-  }
-  for (std::size_t i = 0; i < 4; ++i) {  // positive definite: no pivoting needed
-    const Wide pivot = m[i][i];
-    for (Wide& value : m[i]) value /= pivot;
-    for (std::size_t r = 0; r < 4; ++r) {
-      if (r == i) continue;
-      const Wide factor = m[r][i];
-      for (std::size_t j = 0; j < 9; ++j) m[r][j] -= factor * m[i][j];
-    }
-  }
-  WideFit fit;
-  Wide mean = 0, residual = 0, total = 0;
-  for (std::size_t i = 0; i < 4; ++i) fit.c[i] = m[i][4];
-  for (const double value : y) mean += Wide(value) / y.size();
-  for (std::size_t k = 0; k < t.size(); ++k) {
-    const Wide x = t[k];
-    residual += pow(Wide(y[k]) - (fit.c[0] + x * (fit.c[1] + x * (fit.c[2] + x * fit.c[3]))), 2);
-    total += pow(Wide(y[k]) - mean, 2);
-  }
-  fit.r2 = 1 - residual / total;
-  for (std::size_t i = 0; i < 4; ++i) fit.se[i] = sqrt(m[i][5 + i] * residual / (t.size() - 4));
-  return fit;
-}
 
 struct Columns {
   std::vector<double> t, x, y, rotation;
@@ -76,11 +35,12 @@ Columns columns_of(const data::ContactSet& set) {
 // The columns' condition number is below 1e3 and residuals are small, so QR loses at most some 1e-12.
 void check_against_wide(const std::vector<double>& t, const std::vector<double>& y, const std::string& name) {
   const auto fit = contact::fit_cubic(t, y);
-  const WideFit wide = wide_fit(t, y);
+  const testing::WideCubicFit wide(t, y);
   for (std::size_t i = 0; i < 4; ++i) {
-    const double scale = std::abs(static_cast<double>(wide.c[i])) + static_cast<double>(wide.se[i]);
+    const double scale =
+        std::abs(static_cast<double>(wide.c[i])) + static_cast<double>(wide.standard_error(i));
     CHECK_TEXT(std::abs(fit->coefficients[i] - static_cast<double>(wide.c[i])) < 1e-12 * scale, name.c_str());
-    DOUBLES_EQUAL(1.0, (*fit->standard_errors)[i] / static_cast<double>(wide.se[i]), 1e-11);
+    DOUBLES_EQUAL(1.0, (*fit->standard_errors)[i] / static_cast<double>(wide.standard_error(i)), 1e-11);
   }
   DOUBLES_EQUAL(static_cast<double>(wide.r2), *fit->r_squared, 1e-13);
 }
@@ -97,7 +57,7 @@ double rounded(double value, int decimals) {
 
 TEST_GROUP(CubicFits){};
 
-TEST(CubicFits, AgreeWithFiftyDigitNormalEquationsOnAllSets) {
+TEST(CubicFits, AgreeWithHundredDigitNormalEquationsOnAllSets) {
   for (const auto& [name, set] : thesis_data(thesis::Version::as_printed).contact) {
     const Columns c = columns_of(set);
     check_against_wide(c.t, c.x, name + " x");

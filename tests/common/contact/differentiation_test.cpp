@@ -1,5 +1,4 @@
 #include <array>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -8,6 +7,7 @@
 
 #include "common/contact/condition_inputs.hpp"
 #include "common/contact/differentiation/differentiation.hpp"
+#include "tests/common/contact/wide_cubic_fit.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -16,60 +16,6 @@ using namespace strobe;
 using testing::thesis_data;
 
 namespace {
-
-// A design matrix of condition 1e12 squares to 1e24 in normal equations: of 100 digits 76 are left.
-using Wide = boost::multiprecision::cpp_bin_float_100;
-
-/// The cubic through (t, y) by least squares, with the residual sd, and G·Gᵀ of its coefficients.
-struct WideFit {
-  std::array<Wide, 4> c{};
-  std::array<std::array<Wide, 4>, 4> inverse{};
-  Wide variance;
-
-  WideFit(const std::vector<double>& t, const std::vector<double>& y) {
-    std::array<std::array<Wide, 9>, 4> m{};
-    for (std::size_t i = 0; i < 4; ++i) {
-      for (std::size_t k = 0; k < t.size(); ++k) {
-        for (std::size_t j = 0; j < 4; ++j) m[i][j] += pow(Wide(t[k]), static_cast<int>(i + j));
-        m[i][4] += Wide(y[k]) * pow(Wide(t[k]), static_cast<int>(i));
-      }
-      m[i][5 + i] = 1;
-    }
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Wide pivot = m[i][i];
-      for (Wide& value : m[i]) value /= pivot;
-      for (std::size_t r = 0; r < 4; ++r) {
-        if (r == i) continue;
-        const Wide factor = m[r][i];
-        for (std::size_t j = 0; j < 9; ++j) m[r][j] -= factor * m[i][j];
-      }
-    }
-    for (std::size_t i = 0; i < 4; ++i) {
-      c[i] = m[i][4];
-      for (std::size_t j = 0; j < 4; ++j) inverse[i][j] = m[i][5 + j];
-    }
-    Wide rss = 0;
-    for (std::size_t k = 0; k < t.size(); ++k) rss += pow(Wide(y[k]) - derivative(t[k], 0), 2);
-    variance = rss / (t.size() - 4);
-  }
-
-  static std::array<Wide, 4> row(const Wide& t, int order) {
-    if (order == 0) return {1, t, t * t, t * t * t};
-    if (order == 1) return {0, 1, 2 * t, 3 * t * t};
-    return {0, 0, 2, 6 * t};
-  }
-  Wide derivative(double t, int order) const {
-    const auto r = row(t, order);
-    return r[0] * c[0] + r[1] * c[1] + r[2] * c[2] + r[3] * c[3];
-  }
-  Wide sd(double t, int order) const {
-    const auto r = row(t, order);
-    Wide sum = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t j = 0; j < 4; ++j) sum += r[i] * inverse[i][j] * r[j];
-    return sqrt(sum * variance);
-  }
-};
 
 contact::FractionFits fits_as_printed(const char* name) {
   return contact::fit_fractions(thesis_data(thesis::Version::as_printed).contact.at(name));
@@ -95,7 +41,7 @@ TEST(Differentiation, KeepsItsDigitsAtConditionNumbersUpToTenToTheTwelve) {
     const auto fit = contact::fit_cubic(t, y);
     CHECK(fit.has_value());
     largest = std::max(largest, fit->condition.monomial);
-    const WideFit wide(t, y);
+    const testing::WideCubicFit wide(t, y);
     for (const double at : {t.front(), t[5], t.back()}) {
       for (int order = 0; order < 3; ++order) {
         const auto got = fit->derivative_with_sd(at, order);
