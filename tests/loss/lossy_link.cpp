@@ -40,6 +40,8 @@ sockaddr_in address_of(const std::string& url) {
   throw std::runtime_error(std::string(what) + ": " + std::strerror(errno));
 }
 
+}  // namespace
+
 /// One network: hears its group, speaks to it from a port of its own.
 class MulticastEndpoint {
  public:
@@ -94,8 +96,6 @@ class MulticastEndpoint {
   int hears_ = -1, speaks_ = -1;
   in_port_t own_port_ = 0;
 };
-
-}  // namespace
 
 class LossyLink::Impl {
  public:

@@ -1,6 +1,7 @@
 #include "tests/structure/folder_graph.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 namespace strobe::structure {
