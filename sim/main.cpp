@@ -62,12 +62,22 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
       "--write-rig", options.rig_file,
       "Write a rig file that fits the scene, for strobed --config and strobe fire --rig; a file that "
       "says something else is not overwritten");
+  run->add_option("--time", options.pace,
+                  "wall: time waits until the command's programs have done what is due, so that a busy "
+                  "machine makes nothing "
+                  "late; fast: besides, it waits for nothing else; real: the machine's, for judging how "
+                  "prompt they are")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, strobe::sim::gpio::Pace>{{"wall", strobe::sim::gpio::Pace::wall},
+                                                         {"fast", strobe::sim::gpio::Pace::fast},
+                                                         {"real", strobe::sim::gpio::Pace::machine}}))
+      ->default_str("wall");
   run->add_option(
-         "--time", options.rig_time,
-         "rig: time waits for the command's real-time loop, so that a busy machine makes no flash late; "
-         "real: the machine's, for judging it")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"rig", true}, {"real", false}}))
-      ->default_str("rig");
+         "--clock-start", options.clock_start_s,
+         "For a run that repeats to the byte, with --time fast and --seed: where the programs' monotonic "
+         "clock "
+         "starts, in seconds, and their wall clock as long after 2000-01-01; what they draw is fixed, too")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
   run->add_option("--tolerance", options.tolerance,
                   "Simulate only what numbers read require to stay within this: 0.5%, 5e-3");
   run->add_option("--deadline-us", options.deadline_us, "Longest that computing a shot may take");

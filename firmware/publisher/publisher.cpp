@@ -87,7 +87,7 @@ MonoTime Publisher::next_turn() const {
 }
 
 void Publisher::wait_for_work(int wake_fd) const {
-  const std::int64_t left_ms = (next_turn() - clock_.now()) / milliseconds(1);
+  const std::int64_t left_ms = std::chrono::ceil<milliseconds>(next_turn() - clock_.now()).count();
   pollfd wake{wake_fd, POLLIN, 0};
   poll(&wake, 1, static_cast<int>(std::clamp<std::int64_t>(left_ms, at_work() ? 2 : 0, 500)));
   std::uint64_t count = 0;

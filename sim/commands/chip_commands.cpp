@@ -58,7 +58,7 @@ bool wait_for_rises(Chip& chip, const LineNumber& rises) {
   std::vector<Change> changes;
   for (int left = rises.number; left > 0 && !chip.unplugged();) {
     changes.clear();
-    chip.wait_changes(cursor, monotonic_now() + kLook, changes);
+    chip.wait_changes(cursor, chip.now() + kLook, changes);
     for (const Change& change : changes) left -= change.line == rises.line && change.level == 1 ? 1 : 0;
   }
   return !chip.unplugged();
@@ -107,9 +107,9 @@ int drive_command(const std::string& chip_dir, const std::vector<std::string>& d
   if (const auto ended = wait_until(*chip, after)) return *ended;
   for (const LineNumber& drive : wanted) {
     if (drive.number == kOpen) {
-      chip->open_wire(drive.line, monotonic_now());
+      chip->open_wire(drive.line, chip->now());
     } else {
-      chip->drive(drive.line, drive.number, monotonic_now());
+      chip->drive(drive.line, drive.number, chip->now());
     }
   }
   return 0;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/gpiochip/state.hpp"
 #include "sim/plan/choose.hpp"
 
 namespace strobe::sim {
@@ -23,9 +24,10 @@ struct RunOptions {
   std::string photographs;   ///< folder for the camera's files; empty: none are made
   std::string rig_file;      ///< to write before the command starts; empty: none
   bool digitizer = true;
-  bool rig_time = true;  ///< else the machine's
-  std::string tolerance;              ///< empty: none
-  std::optional<double> deadline_us;  ///< per computed shot
+  gpio::Pace pace = gpio::Pace::wall;
+  std::optional<std::int64_t> clock_start_s;  ///< of rig time: a run that repeats to the byte
+  std::string tolerance;                      ///< empty: none
+  std::optional<double> deadline_us;          ///< per computed shot
   std::vector<std::string> command;
 };
 /// Exit status of the command; 128 plus the signal that ended it.

@@ -50,9 +50,9 @@ void obey(Chip& chip, std::string_view line) {
     if (line.find(response.asked) == line.npos) continue;
     const auto offset = static_cast<std::uint32_t>(response.line);
     if (response.level == kBroken)
-      chip.open_wire(offset, monotonic_now());
+      chip.open_wire(offset, chip.now());
     else
-      chip.drive(offset, response.level, monotonic_now());
+      chip.drive(offset, response.level, chip.now());
     return;
   }
 }

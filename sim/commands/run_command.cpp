@@ -135,12 +135,16 @@ class Session {
     std::unique_ptr<Session> session(new Session(options));
     auto chip = Chip::create(folder, chip_of(scene));
     if (!chip) return tl::unexpected(chip.error());
+    std::optional<gpio::TimeKeeper::Repeatable> repeatable;
+    if (options.clock_start_s) repeatable = {*options.clock_start_s, seed + 1};
+    chip->keep_time(options.pace, repeatable);
+    const RigClock clock = chip->clock();
     auto truth = TruthFile::create(options.truth_file, scene);
     if (!truth) return tl::unexpected(truth.error());
     session->truth_ = std::move(*truth);
     if (!options.photographs.empty()) {
       auto tethered_camera =
-          TetheredCamera::create(options.photographs, scene, seed, session->exposure_store_);
+          TetheredCamera::create(options.photographs, scene, seed, session->exposure_store_, clock);
       if (!tethered_camera) return tl::unexpected(tethered_camera.error());
       session->photographer_ = std::move(*tethered_camera);
       session->truth_->include_photographs(seed);
@@ -149,21 +153,24 @@ class Session {
         !made)
       return tl::unexpected(made.error());
     session->runner_ = std::make_unique<RigRunner>(std::move(*chip), scene, seed, session->exposure_store_,
-                                                   !options.changes_file.empty(), model, options.rig_time);
+                                                   !options.changes_file.empty(), model);
     if (options.digitizer) {
       const auto key = authentication::find_key({options.key_file, ""});
       if (!key) return tl::unexpected(key.error());
       auto tablet_operator = TabletOperator::create(options.lcm_url, options.rig_name, key->key, scene, seed,
-                                                    session->exposure_store_, *session->truth_);
+                                                    session->exposure_store_, *session->truth_, clock);
       if (!tablet_operator) return tl::unexpected(tablet_operator.error());
       session->tablet_operator_ = std::move(*tablet_operator);
       if (!options.photographs.empty()) session->tablet_operator_->listen_only();
       session->tablet_operator_->start();
     }
     session->runner_->start();
-    if (session->photographer_) session->photographer_->start(!options.rig_time);
+    if (session->photographer_) session->photographer_->start(options.pace == gpio::Pace::machine);
     return session;
   }
+
+  /// Called in the program under test: it lives in the rig's time.
+  void take_along() const { runner_->take_along(); }
 
   /// Fails if not all could be written.
   Result<void> close() {
@@ -249,7 +256,8 @@ int run_command(const RunOptions& options) {
              scene->name, seed, seed, scene->chip.name, folder.string());
 
   const auto child = start_child(
-      options.command, {{"LD_PRELOAD", preload_with(preloaded)}, {kChipDirVariable, folder.string()}});
+      options.command, {{"LD_PRELOAD", preload_with(preloaded)}, {kChipDirVariable, folder.string()}},
+      [&session] { (*session)->take_along(); });
   if (!child) return report_error(child.error().message, 2);
   const int status = wait_for_child(*child);
   if (const auto closed = (*session)->close(); !closed) return report_error(closed.error().message, 1);

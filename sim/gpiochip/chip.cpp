@@ -22,6 +22,8 @@ namespace {
 
 // How often a waiting rig looks for owners that died; a release is stamped when it is found.
 constexpr std::int64_t kSweep_ns = 1'000'000;
+// In rig time each look stops the program under test.
+constexpr std::int64_t kKeptSweep_ns = 5'000'000;
 
 static_assert(static_cast<int>(Cause::set) == static_cast<int>(gpio::CauseCode::set));
 static_assert(static_cast<int>(Cause::request) == static_cast<int>(gpio::CauseCode::request));
@@ -46,14 +48,14 @@ Change unpack(const gpio::State& state, std::uint64_t word) {
 struct Chip::Impl {
   gpio::ChipFolder folder;
   std::int64_t swept_ns = 0;
-  gpio::LoopWatch watch{};
+  std::unique_ptr<gpio::TimeKeeper> keeper{};
 
   gpio::State& state() const { return *folder.state; }
   const char* path() const { return folder.path.c_str(); }
 
   void sweep() {
     const std::int64_t now = gpio::now_ns(state());
-    if (now - swept_ns < kSweep_ns) return;
+    if (now - swept_ns < sweep_ns()) return;
     swept_ns = now;
     gpio::finish_pending(state());
     if (state().input_on_release != 0) gpio::reap_outputs(state(), path(), folder.lock_fd);
@@ -61,6 +63,8 @@ struct Chip::Impl {
     for (std::uint32_t line = 0; line < state().line_count; ++line) settle(line, now);
     if (state().unplugged.load() != 0) folder.close_events();
   }
+
+  std::int64_t sweep_ns() const { return keeper ? kKeptSweep_ns : kSweep_ns; }
 
   /// An edge and its event belong together: held while one process drives the line.
   void lock_drive(std::uint32_t line) const {
@@ -109,8 +113,11 @@ struct Chip::Impl {
     state().waiting.store(1);
     if (gpio::newest(state()) != cursor.next) return;
     std::int64_t until = to_ns(deadline);
-    if (gpio::any_requested(state())) until = std::min(until, swept_ns + kSweep_ns);
-    const std::int64_t left = until - gpio::now_ns(state());
+    if (gpio::any_requested(state())) until = std::min(until, swept_ns + sweep_ns());
+    if (keeper) return gpio::sleep_as_rig(state(), cursor.next, seen, until);
+    std::int64_t left = until - gpio::now_ns(state());
+    if (gpio::is_kept(state()))
+      left = std::min(left, kSweep_ns);  // rig time may go faster than the machine's
     if (left > 0) gpio::sys::futex_wait(&state().wake, seen, gpio::sys::now_ns() + left);
   }
 };
@@ -173,7 +180,6 @@ bool Chip::wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Cha
   for (;;) {
     // Looked at first: a caller that was held up past its deadline still gets what a sweep finds.
     const bool expired = gpio::now_ns(impl_->state()) >= to_ns(deadline);
-    impl_->watch.look(impl_->state());
     impl_->sweep();
     if (!impl_->read_ring(cursor, changes)) return false;
     if (changes.size() != before || expired) return true;
@@ -181,15 +187,16 @@ bool Chip::wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Cha
   }
 }
 
-MonoTime Chip::now() const { return from_ns(gpio::now_ns(impl_->state())); }
+RigClock Chip::clock() const { return RigClock(impl_->state()); }
 
-void Chip::keep_time(const ChangeCursor& cursor) { gpio::keep_time(impl_->state(), cursor.next); }
-
-void Chip::rig_turned(const ChangeCursor& cursor, MonoTime due) {
-  if (impl_->state().time.kept.load() != 0) gpio::rig_turned(impl_->state(), cursor.next, to_ns(due));
+void Chip::keep_time(gpio::Pace pace, const std::optional<gpio::TimeKeeper::Repeatable>& repeatable) {
+  if (pace != gpio::Pace::machine)
+    impl_->keeper = std::make_unique<gpio::TimeKeeper>(impl_->state(), pace, repeatable);
 }
 
-void Chip::stop_keeping_time() { gpio::stop_keeping_time(impl_->state()); }
+void Chip::join_time() const { gpio::join_time(impl_->state(), ::getpid()); }
+
+bool Chip::keeps_time() const { return impl_->keeper != nullptr; }
 
 ChangeCursor Chip::cursor_now() const { return {gpio::newest(impl_->state())}; }
 

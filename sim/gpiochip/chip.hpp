@@ -19,11 +19,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/result.hpp"
 #include "common/units/time.hpp"
+#include "sim/gpiochip/rig_clock.hpp"
+#include "sim/gpiochip/state.hpp"
+#include "sim/gpiochip/time_keeper.hpp"
 
 namespace strobe::sim {
 
@@ -107,12 +111,16 @@ class Chip {
   ChangeCursor cursor_now() const;  ///< only changes from now on
 
   /// The time that stamps are of: the machine's CLOCK_MONOTONIC, or rig time while it is kept (rig_time.hpp).
-  MonoTime now() const;
-  /// From now on this program's rig keeps the time of all: after each look at the changes it says up to where it has
-  /// seen them, and when it has something due; time waits for it there.
-  void keep_time(const ChangeCursor& cursor);
-  void rig_turned(const ChangeCursor& cursor, MonoTime due);
-  void stop_keeping_time();
+  MonoTime now() const { return clock().now(); }
+  RigClock clock() const;
+  /// Keeps rig time from now on until this object ends (time_keeper.hpp). Who waits for changes here is the
+  /// rig: its wait_changes() ends at the deadline to the nanosecond, and time waits for what it does then. Before any
+  /// thread that is to take part.
+  void keep_time(gpio::Pace pace,
+                 const std::optional<gpio::TimeKeeper::Repeatable>& repeatable = std::nullopt);
+  bool keeps_time() const;
+  /// The calling process takes part in rig time, whatever program it becomes.
+  void join_time() const;
 
   /// As if the device were unplugged: every further ioctl answers ENODEV, the node is gone, event descriptors
   /// end (poll: hang-up, read: ENODEV) as soon as every rig that is attached made its next call. A chip that

@@ -44,10 +44,12 @@ void put_dropping_oldest(int fifo, std::uint32_t depth, const gpio_v2_line_event
   }
 }
 
-gpio_v2_line_event event_of(std::uint32_t line, std::uint32_t config, unsigned level, std::int64_t stamp_ns) {
+gpio_v2_line_event event_of(State& state, std::uint32_t line, unsigned level, std::int64_t stamp_ns) {
   gpio_v2_line_event event{};
+  const std::uint32_t config = state.lines[line].config.load();
   const bool realtime = (config & ConfigWord::kRealtime) != 0;
-  event.timestamp_ns = static_cast<std::uint64_t>(realtime ? stamp_ns + sys::realtime_offset_ns() : stamp_ns);
+  event.timestamp_ns =
+      static_cast<std::uint64_t>(realtime ? stamp_ns + realtime_ns(state) - now_ns(state) : stamp_ns);
   event.id = is_active(config, level) ? GPIO_V2_LINE_EVENT_RISING_EDGE : GPIO_V2_LINE_EVENT_FALLING_EDGE;
   event.offset = line;
   return event;
@@ -62,7 +64,7 @@ void emit_v2(const ChipFolder& folder, std::uint32_t line, unsigned level, std::
   const bool same = (config & ConfigWord::kVersion2) != 0 && ConfigWord::slot(config) == slot;
   if (!lock.held() || !same || !is_wanted(config, level) || folder.requests[slot] < 0) return;
   Handle& request = state.handles[slot];
-  gpio_v2_line_event event = event_of(line, config, level, stamp_ns);
+  gpio_v2_line_event event = event_of(state, line, level, stamp_ns);
   // Numbered first: an edge whose process is killed here is missing, and told so by its number.
   event.line_seqno = state.lines[line].seqno.fetch_add(1) + 1;
   event.seqno = request.count.load() == 1 ? event.line_seqno : request.seqno.fetch_add(1) + 1;
@@ -78,7 +80,6 @@ void emit_edge(const ChipFolder& folder, std::uint32_t line, unsigned level, std
     return note_bounce(*folder.state, line, stamp_ns);
   }
   if (!is_wanted(config, level)) return;
-  hold_for_edge(*folder.state, stamp_ns);
   if ((config & ConfigWord::kVersion2) != 0) {
     emit_v2(folder, line, level, stamp_ns);
   } else {
@@ -89,10 +90,8 @@ void emit_edge(const ChipFolder& folder, std::uint32_t line, unsigned level, std
 void emit_settled(const ChipFolder& folder, std::uint32_t line, unsigned level, std::int64_t now_ns) {
   Settled settled;
   if (!take_settled(*folder.state, line, level, now_ns, settled) || !settled.changed) return;
-  if (is_wanted(folder.state->lines[line].config.load(), level)) {
-    hold_for_edge(*folder.state, now_ns);
+  if (is_wanted(folder.state->lines[line].config.load(), level))
     emit_v2(folder, line, level, settled.stamp_ns);
-  }
 }
 
 }  // namespace strobe::sim::gpio

@@ -1,11 +1,13 @@
 #include "sim/gpiochip/rig_time.hpp"
 
-#include <stdio.h>
-#include <string.h>
+#include <errno.h>
+#include <pthread.h>
 #include <sys/syscall.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "sim/gpiochip/levels.hpp"
 #include "sim/gpiochip/system.hpp"
@@ -13,199 +15,324 @@
 namespace strobe::sim::gpio {
 namespace {
 
-constexpr std::int64_t kLookEvery = 10'000'000;
-constexpr int kLooks = 10;  // a loop that waits for 100 ms without a call to us is not waited for
-constexpr std::int64_t kLongestPoll = 10'000'000;  // after which an edge that is not the loop's is let go
-constexpr std::int64_t kForRig = 200'000;  // the loop's wake-up has come, but the rig is not there yet
-constexpr std::int64_t kRigIsGone = 20'000'000'000;  // it did not turn for so long
+// What a real-time thread is charged. On an idle machine a look at the clock costs 17 to 50 ns, a poll of the inputs
+// about 2 us.
+constexpr std::int64_t kLook = 50;
+constexpr std::int64_t kPoll = 2'000;
+// Other threads look at the clock for nothing, but one that does so over and over waits for it.
+constexpr int kLooksOfOneWhoWaits = 1'000;
+constexpr std::int64_t kImpatientWait = 20'000;
 
-/// The loop's own clock, of its thread.
-struct Loop {
+constexpr std::int64_t kKeeperLooksAfter = 1'000'000'000;  // a wait is looked after each second
+constexpr int kKeeperIsGone = 20;                          // seconds without a beat
+
+/// The thread's own part.
+struct Thread {
+  TimedWait* wait = nullptr;
+  bool real_time = false;
   bool is_loop = false;
-  std::int64_t own_ns = 0;   ///< rig time, never beyond the machine's
-  std::int64_t wall_ns = 0;  ///< the machine's at the last look
+  int looks = 0;  ///< since it waited
   std::uint64_t draws = 0;
+  std::uint32_t polled_turn = 0;  ///< of the rig at the last poll that found nothing
+  int writes = 0;
+  struct {
+    int fd;
+    std::uint64_t value;
+  } put_off[8];
+
+  ~Thread();
 };
-thread_local Loop loop;
+thread_local Thread self;
 
-std::int64_t not_before(RigTime& time, std::int64_t now) {
-  std::int64_t latest = time.latest_ns.load();
-  while (latest < now && !time.latest_ns.compare_exchange_weak(latest, now)) {
+void write_now() {
+  for (int i = 0; i < self.writes; ++i)
+    sys::write(self.put_off[i].fd, &self.put_off[i].value, sizeof(std::uint64_t));
+  self.writes = 0;
+}
+
+std::int32_t thread_id() { return static_cast<std::int32_t>(::syscall(SYS_gettid)); }
+
+Thread::~Thread() {
+  write_now();
+  if (wait == nullptr || wait->tid.load() != thread_id()) return;  // a forked child has its parent's
+  wait->until_ns.store(kNever);
+  wait->tid.store(0);
+}
+
+TimedWait& own_wait(RigTime& time) {
+  if (self.wait != nullptr && self.wait->tid.load() == thread_id()) return *self.wait;
+  for (TimedWait& wait : time.waits) {
+    std::int32_t free = 0;
+    if (!wait.tid.compare_exchange_strong(free, thread_id())) continue;
+    wait.until_ns.store(kNever);
+    wait.pid.store(::getpid());
+    self.wait = &wait;
+    return wait;
   }
-  return std::max(latest, now);
+  ::abort();  // more threads than a rig has
 }
 
-std::int64_t shared_now_ns(RigTime& time) {
-  // First: a limit that is taken away meanwhile must not let a later reading through.
-  const std::int64_t wall = sys::now_ns();
-  if (time.kept.load() == 0) return not_before(time, wall);
-  return not_before(time, std::min({wall, time.loop_ns.load(), time.rig_ns.load(), time.edge_ns.load()}));
+void lower(std::atomic<std::int64_t>& least, std::int64_t value) {
+  std::int64_t before = least.load();
+  while (value < before && !least.compare_exchange_weak(before, value)) {
+  }
 }
 
-bool rig_is_there(State& state) {
-  return state.time.kept.load() == 0 ||
-         (state.time.seen.load() >= newest(state) && loop.own_ns < state.time.rig_ns.load());
+/// Time never goes back.
+std::int64_t raise(std::atomic<std::int64_t>& latest, std::int64_t value) {
+  std::int64_t before = latest.load();
+  while (before < value && !latest.compare_exchange_weak(before, value)) {
+  }
+  return std::max(before, value);
 }
 
-void wait_for_rig(State& state) {
+/// Nobody keeps the time any more, and nobody said so: the rig was killed.
+void stop_if_keeper_is_gone(RigTime& time, std::uint32_t& beat, int& seconds) {
+  const std::uint32_t now = time.beats.load();
+  seconds = now == beat ? seconds + 1 : 0;
+  beat = now;
+  if (seconds < kKeeperIsGone) return;
+  time.ahead_ns.store(time.now_ns.load() - sys::now_ns());
+  time.pace.store(Pace::machine);
+}
+
+/// Until the keeper wakes it, all others being asleep; then it is `until_ns`.
+void hold(State& state, std::int64_t until_ns) {
   RigTime& time = state.time;
-  const std::int64_t give_up = sys::now_ns() + kRigIsGone;
-  while (!rig_is_there(state)) {
+  TimedWait& wait = own_wait(time);
+  const std::uint32_t woken = wait.woken.load();
+  write_now();
+  begin_wait(state, until_ns, WakeBy::word);
+  std::uint32_t beat = time.beats.load();
+  int seconds = 0;
+  while (wait.woken.load() == woken && is_kept(state)) {
+    sys::futex_wait(&wait.woken, woken, sys::now_ns() + kKeeperLooksAfter);
+    if (wait.woken.load() == woken) stop_if_keeper_is_gone(time, beat, seconds);
+  }
+  end_wait();
+}
+
+bool rig_sleeps(State& state) {
+  return state.time.seen.load() >= newest(state) && state.time.now_ns.load() < state.time.rig_ns.load();
+}
+
+/// The rig does what is due, or looks at a change.
+void let_rig_turn(State& state) {
+  RigTime& time = state.time;
+  std::uint32_t beat = time.beats.load();
+  int seconds = 0;
+  while (!rig_sleeps(state) && is_kept(state)) {
     const std::uint32_t turn = time.turns.load();
-    time.loop_ns.store(std::min(loop.own_ns, time.rig_ns.load()));
-    if (rig_is_there(state)) break;
     state.waiting.store(1);
     notify(state);
-    sys::futex_wait(&time.turns, turn, sys::now_ns() + 1'000'000);
-    if (sys::now_ns() > give_up) time.kept.store(0);
+    if (rig_sleeps(state)) return;
+    sys::futex_wait(&time.turns, turn, sys::now_ns() + kKeeperLooksAfter);
+    if (time.turns.load() == turn) stop_if_keeper_is_gone(time, beat, seconds);
   }
-  loop.wall_ns = sys::now_ns();
 }
 
-std::int64_t step(State& state) {
+std::int64_t step(State& state, std::int64_t charge_ns) {
   RigTime& time = state.time;
-  const std::int64_t wall = sys::now_ns();
-  if (time.loop_ns.load() == kNever)
-    loop.own_ns = std::max(loop.own_ns, shared_now_ns(time));  // went on without it
-  loop.own_ns += std::min(wall - loop.wall_ns, kLongestStep);
-  loop.wall_ns = wall;
-  if (!rig_is_there(state)) wait_for_rig(state);
-  loop.own_ns = not_before(time, loop.own_ns);
-  time.loop_ns.store(loop.own_ns);
-  return loop.own_ns;
+  if (self.is_loop) time.loop_looks.fetch_add(1, std::memory_order_relaxed);
+  std::int64_t target = time.now_ns.load() + charge_ns;
+  if (time.pace.load() == Pace::wall) target = std::min(target, std::max(time.now_ns.load(), sys::now_ns()));
+  for (;;) {
+    if (self.is_loop && time.turns.load() != 0 && !rig_sleeps(state)) let_rig_turn(state);
+    const std::int64_t rig = self.is_loop ? time.rig_ns.load() : kNever;
+    const std::int64_t others = time.next_ns.load();
+    if (!is_kept(state)) return now_ns(state);
+    if (target < std::min(rig, others)) return raise(time.now_ns, target);
+    if (rig <= others) {
+      raise(time.now_ns, rig);
+    } else {
+      hold(state, target);
+      return raise(time.now_ns, target);
+    }
+  }
 }
 
-/// 10 to 70 us, half of them below 18.
+/// 10 to 70 us, half of them below 18: as seen on an idle machine.
 std::int64_t wake_up_latency() {
-  std::uint64_t z = ++loop.draws * 0x9e3779b97f4a7c15ULL;  // splitmix64
+  std::uint64_t z = ++self.draws * 0x9e3779b97f4a7c15ULL;  // splitmix64
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
   const double u = static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
   return 10'000 + static_cast<std::int64_t>(60'000.0 * u * u * u);
 }
 
-/// A short file of /proc. False: there is none.
-bool read_proc(int pid, int tid, const char* name, char (&text)[512]) {
-  char path[64];
-  snprintf(path, sizeof(path), "/proc/%d/task/%d/%s", pid, tid, name);
-  const int fd = sys::open(path, 0);
-  if (fd < 0) return false;
-  const long size = sys::read(fd, text, sizeof(text) - 1);
-  sys::close(fd);
-  if (size <= 0) return false;
-  text[size] = '\0';
-  return true;
+struct timespec timespec_of(std::int64_t ns) {
+  return {static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
+}
+
+int look_at(struct pollfd* polled, nfds_t count) {
+  const struct timespec at_once {};
+  return sys::ppoll(polled, count, &at_once, nullptr);
+}
+
+/// The signals that are held back, or would be by `signals`, without the one that ends waits.
+sigset_t open_to_wake(const sigset_t* signals) {
+  sigset_t open;
+  if (signals != nullptr) {
+    open = *signals;
+  } else {
+    pthread_sigmask(SIG_BLOCK, nullptr, &open);
+  }
+  sigdelset(&open, kWaitSignal);
+  return open;
+}
+
+thread_local volatile sig_atomic_t signalled = 0;
+
+/// Without a limit, but for looks at whether there still is a keeper. 0: until_ns has come.
+int wait_natively(State& state, struct pollfd* polled, nfds_t count, std::int64_t until_ns,
+                  const sigset_t* signals) {
+  RigTime& time = state.time;
+  const sigset_t open = open_to_wake(signals);
+  std::uint32_t beat = time.beats.load();
+  int seconds = 0;
+  for (;;) {
+    if (!is_kept(state)) {
+      const struct timespec left =
+          timespec_of(std::clamp<std::int64_t>(until_ns - now_ns(state), 0, INT64_C(1'000'000'000'000)));
+      return sys::ppoll(polled, count, &left, &open);
+    }
+    if (time.now_ns.load() >= until_ns) return look_at(polled, count);
+    const struct timespec slice = timespec_of(kKeeperLooksAfter);
+    signalled = 0;
+    const int ready = sys::ppoll(polled, count, &slice, &open);
+    if (ready > 0 || (ready < 0 && (ready != -EINTR || signalled == 0))) return ready;
+    if (ready == 0) stop_if_keeper_is_gone(time, beat, seconds);
+  }
+}
+
+int answer(int result) {
+  if (result >= 0) return result;
+  errno = -result;
+  return -1;
+}
+
+int poll_at_once(State& state, struct pollfd* polled, nfds_t count) {
+  if (!self.is_loop) return answer(look_at(polled, count));
+  step(state, kPoll);
+  // Nobody has run since the last look.
+  const std::uint32_t turn = state.time.turns.load() + (self.wait != nullptr ? self.wait->woken.load() : 0);
+  if (turn == self.polled_turn) {
+    for (nfds_t i = 0; i < count; ++i) polled[i].revents = 0;
+    return 0;
+  }
+  const int ready = look_at(polled, count);
+  self.polled_turn = ready == 0 ? turn : turn - 1;
+  return answer(ready);
 }
 
 }  // namespace
 
 std::int64_t now_ns(State& state) {
-  if (loop.is_loop && state.time.kept.load() != 0) return step(state);
-  return shared_now_ns(state.time);
+  if (!is_kept(state)) return sys::now_ns() + state.time.ahead_ns.load();
+  if (self.is_loop) return step(state, kLook);
+  if (++self.looks <= kLooksOfOneWhoWaits) return state.time.now_ns.load();
+  if (self.real_time) return step(state, kLook);
+  hold(state, state.time.now_ns.load() + kImpatientWait);
+  return state.time.now_ns.load();
 }
 
-std::int64_t lag_ns(State& state) {
-  if (state.time.kept.load() == 0) return 0;
-  const std::int64_t now = now_ns(state);
-  return std::max<std::int64_t>(0, sys::now_ns() - now);
+std::int64_t realtime_ns(State& state) {
+  const std::int64_t less = state.time.realtime_less_ns.load();
+  return less == 0 ? sys::clock_ns(CLOCK_REALTIME) : now_ns(state) + less;
 }
 
-void keep_time(State& state, std::uint64_t ring_position) {
+std::int64_t boottime_ns(State& state) {
+  const bool never_kept = state.time.realtime_less_ns.load() == 0;
+  return never_kept ? sys::clock_ns(CLOCK_BOOTTIME) : now_ns(state) + state.time.boottime_less_ns.load();
+}
+
+void join_time(State& state, std::int32_t pid) {
+  for (std::atomic<std::int32_t>& program : state.time.programs)
+    if (program.load() == pid) return;
+  for (std::atomic<std::int32_t>& program : state.time.programs) {
+    std::int32_t free = 0;
+    if (program.compare_exchange_strong(free, pid)) return;
+  }
+}
+
+void prepare_waits() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { signalled = 1; };
+  sigaction(kWaitSignal, &action, nullptr);
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, kWaitSignal);
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+}
+
+void begin_wait(State& state, std::int64_t until_ns, WakeBy wake_by) {
+  self.looks = 0;
   RigTime& time = state.time;
-  time.loop_ns.store(kNever);
-  time.rig_ns.store(kNever);
-  time.edge_ns.store(kNever);
-  time.seen.store(ring_position);
-  time.kept.store(1);
+  TimedWait& wait = own_wait(time);
+  wait.wake_by.store(wake_by);
+  wait.until_ns.store(until_ns);
+  if (!self.is_loop && wake_by != WakeBy::ring) lower(time.next_ns, until_ns);
+  if (!self.is_loop) return;
+  time.asleep.fetch_add(1);
+  sys::futex_wake_all(&time.asleep);
 }
 
-void stop_keeping_time(State& state) {
-  state.time.kept.store(0);
-  state.time.turns.fetch_add(1);
-  sys::futex_wake_all(&state.time.turns);
+void end_wait() {
+  if (self.wait != nullptr) self.wait->until_ns.store(kNever);
 }
 
-void rig_turned(State& state, std::uint64_t ring_position, std::int64_t due_ns) {
+int wait_for(State& state, struct pollfd* polled, nfds_t count, std::int64_t timeout_ns,
+             const sigset_t* signals) {
+  if (timeout_ns == 0) return poll_at_once(state, polled, count);
+  const std::int64_t begin = now_ns(state);
+  std::int64_t until = timeout_ns < 0 || timeout_ns > kNever / 2 ? kNever : begin + timeout_ns;
+  if (self.is_loop && until != kNever) until += wake_up_latency();
+  write_now();
+  begin_wait(state, until, WakeBy::signal);
+  int ready = wait_natively(state, polled, count, until, signals);
+  end_wait();
+  if (self.is_loop) self.polled_turn = state.time.turns.load() - 1;
+  if (ready > 0 && is_kept(state)) {
+    // Whoever woke it first comes to an end.
+    hold(state, state.time.now_ns.load() + (self.is_loop ? wake_up_latency() : 0));
+    ready = look_at(polled, count);
+  }
+  return answer(ready);
+}
+
+void note_real_time(bool real_time) { self.real_time = real_time; }
+
+void become_loop(State& state) {
+  if (self.is_loop || !self.real_time) return;
+  self.is_loop = true;
+  state.time.loop_pid.store(::getpid());
+  state.time.loop_tid.store(thread_id());
+  hold(state, state.time.now_ns.load());  // until all that began with it sleep
+}
+
+bool is_loop() { return self.is_loop; }
+
+bool put_off_write(int fd, std::uint64_t value) {
+  if (!self.is_loop) return false;
+  for (int i = 0; i < self.writes; ++i) {
+    if (self.put_off[i].fd != fd) continue;
+    self.put_off[i].value += value;
+    return true;
+  }
+  if (self.writes == static_cast<int>(sizeof(self.put_off) / sizeof(self.put_off[0]))) return false;
+  self.put_off[self.writes++] = {fd, value};
+  return true;
+}
+
+void sleep_as_rig(State& state, std::uint64_t ring_position, std::uint32_t wake, std::int64_t until_ns) {
   RigTime& time = state.time;
-  time.rig_ns.store(due_ns);
+  begin_wait(state, until_ns, WakeBy::ring);
+  time.rig_ns.store(until_ns);
   time.seen.store(ring_position);
   time.turns.fetch_add(1);
   sys::futex_wake_all(&time.turns);
-}
-
-void hold_for_edge(State& state, std::int64_t stamp_ns) {
-  RigTime& time = state.time;
-  if (time.kept.load() == 0 || time.loop_sleeps.load() == 0 || time.loop_ns.load() == kNever) return;
-  std::int64_t none = kNever;
-  time.edge_ns.compare_exchange_strong(none, stamp_ns);
-}
-
-void LoopWatch::look(State& state) {
-  RigTime& time = state.time;
-  const std::int64_t wall = sys::now_ns();
-  const std::int64_t at = time.loop_ns.load();
-  if (time.kept.load() == 0 || wall - looked_ns_ < kLookEvery) return;
-  looked_ns_ = wall;
-  const bool waited_for = at != kNever && (time.loop_sleeps.load() == 0 || at <= wall);
-  if (!waited_for || at != at_ns_) {
-    at_ns_ = at;
-    stuck_ = 0;
-    return;
-  }
-  char status[512];
-  char times[512];
-  const int pid = time.loop_pid.load();
-  const int tid = time.loop_tid.load();
-  const bool there = read_proc(pid, tid, "stat", status) && read_proc(pid, tid, "schedstat", times);
-  unsigned long long ran = 0;
-  const char* const name_end = there ? strrchr(status, ')') : nullptr;
-  const bool runnable = name_end != nullptr && name_end[1] == ' ' && name_end[2] == 'R';
-  if (there) sscanf(times, "%llu", &ran);
-  const bool hangs = !runnable || ran - ran_ns_ > kLookEvery / 2;
-  ran_ns_ = ran;
-  stuck_ = hangs ? stuck_ + 1 : 0;
-  if (there && stuck_ < kLooks) return;
-  std::int64_t expected = at;
-  if (time.loop_ns.compare_exchange_strong(expected, kNever)) time.edge_ns.store(kNever);
-}
-
-void become_loop(State& state) {
-  RigTime& time = state.time;
-  loop.is_loop = true;
-  loop.own_ns = shared_now_ns(time);
-  loop.wall_ns = sys::now_ns();
-  time.loop_sleeps.store(0);
-  time.loop_pid.store(::getpid());
-  time.loop_tid.store(static_cast<int>(::syscall(SYS_gettid)));
-  time.loop_ns.store(loop.own_ns);
-}
-
-bool is_loop() { return loop.is_loop; }
-
-std::int64_t begin_sleep(State& state, std::int64_t duration_ns) {
-  const std::int64_t now = step(state);
-  const std::int64_t wake = duration_ns < 0 ? kNever - 1 : now + duration_ns + wake_up_latency();
-  state.time.edge_ns.store(kNever);
-  state.time.loop_sleeps.store(1);
-  state.time.loop_ns.store(wake);
-  return wake;
-}
-
-std::int64_t left_to_sleep(State& state, std::int64_t wake_ns) {
-  if (shared_now_ns(state.time) >= wake_ns) return 0;
-  const std::int64_t wall = sys::now_ns();
-  return wall < wake_ns ? std::min(wake_ns - wall, kLongestPoll) : kForRig;
-}
-
-void end_sleep(State& state, bool by_event) {
-  RigTime& time = state.time;
-  const std::int64_t now = shared_now_ns(time);
-  const std::int64_t wall = sys::now_ns();
-  loop.own_ns = std::max(loop.own_ns, by_event ? std::min(now + wake_up_latency(), wall) : now);
-  loop.wall_ns = wall;
-  time.loop_ns.store(loop.own_ns);
-  time.loop_sleeps.store(0);
-  time.edge_ns.store(kNever);
+  sys::futex_wait(&state.wake, wake, sys::now_ns() + kKeeperLooksAfter);
+  end_wait();
 }
 
 }  // namespace strobe::sim::gpio

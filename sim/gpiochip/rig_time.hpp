@@ -1,17 +1,27 @@
-// The time that the programs of a simulated rig share, as true to a real-time loop as the machine's time is where
-// nothing else runs, and independent of what the machine does beside it.
+// The time that all programs of a simulated rig share: as true to each of them as the machine's time is where nothing
+// else runs, and independent of what the machine does beside them.
 //
-// Rig time is the machine's CLOCK_MONOTONIC, but it waits for two: the loop of the program under test, which is to be
-// woken, runs or has an edge to see, and the rig, which has something due or a change to look at. While the loop runs,
-// time advances with its steps from one look at the clock to the next, each counted as kLongestStep at most: whoever
-// took the core from it in between took no rig time. When both sleep, time follows the machine's again, past one wake-up
-// after the other, so that other programs' clocks stay with it. Everybody else may be late, as on any busy machine.
+// Time stands still while any thread of theirs runs, but for one that asked for real-time priority and waits with
+// ppoll(2): this one, strobed's loop, advances it by a fixed charge for each look at the clock, whatever the machine takes
+// in between. What all others do takes no time. Once all of them sleep, the keeper (time_keeper.hpp) lets time go on to the earliest
+// instant that any of them waits for and wakes that one alone: ties go to the lowest thread id. So whatever a program
+// does is done at the instant that it waited for, in the same order each time, however busy the machine.
 //
-// A loop that no longer looks at the clock (it hangs, is stopped or dead) is waited for as long as it is only kept from
-// running; then time goes on without it (watch_loop).
+// The loop runs on alone until the next instant that somebody else waits for, where it is held until all sleep again.
+// The rig answers each change of a line before the loop goes on. Words that the loop leaves for others (an eventfd) reach
+// them when it sleeps or is held.
 //
-// Thread-safe; of a State in shared memory. Nothing allocates; only the loop waits, and only for the rig.
+// Pace::wall lets time go on no faster than the machine's CLOCK_MONOTONIC, and catches up with it: for programs beside
+// the rig that live in the machine's time. Pace::fast waits for nobody.
+//
+// What waits for an instant are the calls in preload/time.cpp; other waits with a limit (epoll, timerfd, futexes of one's
+// own) end in the machine's time. What cannot be shown is in ../README.md.
+//
+// Thread-safe; of a State in shared memory. Nothing here allocates.
 #pragma once
+
+#include <poll.h>
+#include <signal.h>
 
 #include <cstdint>
 
@@ -20,61 +30,55 @@
 namespace strobe::sim::gpio {
 
 inline constexpr std::int64_t kNever = INT64_MAX;
-/// Between two looks at the clock the loop makes one system call or some arithmetic: 0.1 to 3 us on an idle machine.
-inline constexpr std::int64_t kLongestStep = 5'000;
 
-/// CLOCK_MONOTONIC of the rig, or the machine's if no rig time is kept. For the loop a step. [ns]
+/// CLOCK_MONOTONIC of the rig, or the machine's if no time is kept. For the loop a step. [ns]
 std::int64_t now_ns(State& state);
-/// How far the rig's clocks are behind the machine's. [ns]
-std::int64_t lag_ns(State& state);
+/// CLOCK_REALTIME and CLOCK_BOOTTIME of the rig, or the machine's. [ns]
+std::int64_t realtime_ns(State& state);
+std::int64_t boottime_ns(State& state);
 
-/// The rig's side. From the first on time is kept; until the other it waits.
-void keep_time(State& state, std::uint64_t ring_position);
-void stop_keeping_time(State& state);
-/// The rig has done what was due and seen the ring's changes up to there; `due_ns` is what comes next.
-void rig_turned(State& state, std::uint64_t ring_position, std::int64_t due_ns);
-/// Before an edge goes to the program: a sleeping loop will be woken at it.
-void hold_for_edge(State& state, std::int64_t stamp_ns);
+inline bool is_kept(const State& state) { return state.time.pace.load() != Pace::machine; }
 
-/// Looks each 10 ms of the machine's whether the loop that time waits for could go on. Of one thread.
-class LoopWatch {
- public:
-  void look(State& state);
+/// The process takes part in the rig's time: all its threads must sleep before time goes on.
+void join_time(State& state, std::int32_t pid);
 
- private:
-  std::int64_t looked_ns_ = 0;
-  std::int64_t at_ns_ = 0;
-  std::uint64_t ran_ns_ = 0;
-  int stuck_ = 0;
-};
+/// By it waits in ppoll() end (WakeBy::signal): one that no program waits for, and harmless by default.
+inline constexpr int kWaitSignal = SIGURG;
+/// Before the process starts threads: keeps that signal back, from this thread and those it starts.
+void prepare_waits();
 
-/// The loop's side: the calling thread is the loop from now on.
+/// As ppoll(2), in rig time. `timeout_ns` below 0: no limit.
+int wait_for(State& state, struct pollfd* polled, nfds_t count, std::int64_t timeout_ns,
+             const sigset_t* signals = nullptr);
+
+/// A wait that ends by itself: `slice()` waits for a millisecond of the machine's at most and tells whether it is to
+/// end. False: `until_ns` has come.
+template <typename Slice>
+bool wait_in_slices(State& state, std::int64_t until_ns, Slice&& slice);
+
+/// The calling thread asked for a real-time policy, or for another one.
+void note_real_time(bool real_time);
+/// If it did, it is the loop from now on: its looks at the clock are steps, and the rig answers to it.
 void become_loop(State& state);
 bool is_loop();
-/// The loop sleeps for `duration_ns`, or for ever if that is below 0; `poll(timeout_ns)` is native and waits at most so
-/// long, 0 not at all. Its answer, once it is not 0, or when the duration is over. Wake-ups are late by what a drawn
-/// 10 to 70 us stands for: as seen on an idle machine.
-template <typename Poll>
-int sleep_loop(State& state, std::int64_t duration_ns, Poll&& poll);
+/// The loop's write to an eventfd, put off until it sleeps. False: the caller is no loop, or there is no room.
+bool put_off_write(int fd, std::uint64_t value);
 
-// How sleep_loop() is made.
-std::int64_t begin_sleep(State& state, std::int64_t duration_ns);
-/// For how long to poll natively; 0: the sleep is over. [ns]
-std::int64_t left_to_sleep(State& state, std::int64_t wake_ns);
-void end_sleep(State& state, bool by_event);
+/// The rig's thread, once it has seen the ring's changes up to there: sleeps until `until_ns`, or a change.
+/// `wake`: State::wake before it looked for changes.
+void sleep_as_rig(State& state, std::uint64_t ring_position, std::uint32_t wake, std::int64_t until_ns);
 
-template <typename Poll>
-int sleep_loop(State& state, std::int64_t duration_ns, Poll&& poll) {
-  const std::int64_t wake_ns = begin_sleep(state, duration_ns);
-  int ready = 0;
-  for (std::int64_t left = 1; ready == 0 && left > 0;) {
-    left = left_to_sleep(state, wake_ns);
-    ready = poll(left);
-    // An edge that this loop does not poll for: nobody is woken by it.
-    if (ready == 0) state.time.edge_ns.store(kNever);
-  }
-  end_sleep(state, ready != 0);
-  return ready;
+// How wait_in_slices() is made.
+void begin_wait(State& state, std::int64_t until_ns, WakeBy wake_by);
+void end_wait();
+
+template <typename Slice>
+bool wait_in_slices(State& state, std::int64_t until_ns, Slice&& slice) {
+  begin_wait(state, until_ns, WakeBy::itself);
+  bool ended = false;
+  while (!ended && now_ns(state) < until_ns) ended = slice();
+  end_wait();
+  return ended;
 }
 
 }  // namespace strobe::sim::gpio

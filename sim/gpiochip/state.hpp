@@ -14,7 +14,7 @@
 namespace strobe::sim::gpio {
 
 inline constexpr std::uint64_t kMagic = 0x53545242'4750494fULL;  // "STRBGPIO"
-inline constexpr std::uint32_t kVersion = 4;
+inline constexpr std::uint32_t kVersion = 5;
 inline constexpr std::uint32_t kMaxLines = 64;
 inline constexpr std::uint32_t kMaxWatchers = 32;  ///< opens of the chip that can watch lines
 inline constexpr std::uint32_t kRingBits = 16;
@@ -154,19 +154,49 @@ struct RecordSizes {
   static constexpr std::uint32_t kInfoChangedV1 = 1U << 2;  ///< v1's watches
 };
 
-/// The time that the programs of a rig share (rig_time.hpp): the machine's, but not beyond any of these. [ns of
-/// CLOCK_MONOTONIC]
+inline constexpr std::uint32_t kMaxPrograms = 64;
+inline constexpr std::uint32_t kMaxWaits = 192;  ///< threads that ever waited for an instant
+
+enum class Pace : std::uint32_t { machine = 0, wall = 1, fast = 2 };  ///< see rig_time.hpp
+
+/// What ends a thread's wait at its instant.
+enum class WakeBy : std::uint32_t {
+  signal,  ///< in ppoll()
+  word,    ///< a futex on TimedWait::woken
+  ring,    ///< a futex on State::wake: the rig's thread
+  itself   ///< it looks each millisecond of the machine's
+};
+
+/// One thread's wait for an instant.
+struct alignas(64) TimedWait {
+  std::atomic<std::int64_t> until_ns;  ///< INT64_MAX: it does not wait for any
+  std::atomic<std::int32_t> tid;       ///< 0: free
+  std::atomic<std::int32_t> pid;
+  std::atomic<WakeBy> wake_by;
+  std::atomic<std::uint32_t> woken;  ///< futex: grows when the instant has come
+};
+
+/// The time that the programs of a rig share (rig_time.hpp). [ns of CLOCK_MONOTONIC]
 struct alignas(64) RigTime {
-  std::atomic<std::uint32_t> kept;      ///< 0: the programs live in the machine's time
-  std::atomic<std::uint32_t> turns;     ///< futex: grows when the rig has done what was due
-  std::atomic<std::int64_t> loop_ns;    ///< the loop's time while it runs, its wake-up while it sleeps
-  std::atomic<std::int64_t> rig_ns;     ///< what the rig does next
-  std::atomic<std::int64_t> edge_ns;    ///< an edge that the sleeping loop is yet to see
-  std::atomic<std::int64_t> latest_ns;  ///< that anybody has read: time never goes back
-  std::atomic<std::uint64_t> seen;      ///< position in the ring up to which the rig has seen the changes
-  std::atomic<std::int32_t> loop_pid;   ///< 0: no loop yet
-  std::atomic<std::int32_t> loop_tid;
-  std::atomic<std::uint32_t> loop_sleeps;
+  std::atomic<Pace> pace;
+  std::atomic<std::uint32_t> beats;            ///< of the keeper: grows as long as there is one
+  std::uint64_t seed;                          ///< of what programs draw; 0: nothing is fixed
+  std::atomic<std::uint64_t> streams;          ///< programs that have drawn
+  std::atomic<std::int64_t> now_ns;            ///< once kept
+  std::atomic<std::int64_t> ahead_ns;          ///< of the machine's, of clocks that are kept no longer
+  std::atomic<std::int64_t> realtime_less_ns;  ///< CLOCK_REALTIME minus CLOCK_MONOTONIC
+  std::atomic<std::int64_t> boottime_less_ns;  ///< CLOCK_BOOTTIME minus CLOCK_MONOTONIC
+  std::atomic<std::int64_t> next_ns;   ///< earliest instant that others than loop and rig wait for, or before
+  std::atomic<std::uint32_t> asleep;   ///< futex: grows when the loop lies down
+  std::atomic<std::int32_t> loop_tid;  ///< 0: no loop yet
+  std::atomic<std::int32_t> loop_pid;
+  std::atomic<std::uint64_t> loop_looks;  ///< at the clock
+  // The rig's thread: while it sleeps.
+  std::atomic<std::uint32_t> turns;  ///< futex: grows when it has done what was due and lies down
+  std::atomic<std::int64_t> rig_ns;  ///< what it waits for
+  std::atomic<std::uint64_t> seen;   ///< position in the ring up to which it has seen the changes
+  std::atomic<std::int32_t> programs[kMaxPrograms];  ///< process ids; 0: free
+  TimedWait waits[kMaxWaits];
 };
 
 struct State {

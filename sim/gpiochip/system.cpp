@@ -41,12 +41,6 @@ struct timespec to_timespec(std::int64_t ns) {
   return {static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
 }
 
-std::int64_t clock_ns(clockid_t clock) {
-  struct timespec now {};
-  sys::clock_gettime(clock, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
-
 }  // namespace
 
 int clock_gettime(clockid_t clock, struct timespec* time) {
@@ -106,8 +100,12 @@ void* map_shared(int fd, std::size_t size) {
 }
 void unmap(void* address, std::size_t size) { call(SYS_munmap, address, size); }
 
+std::int64_t clock_ns(clockid_t clock) {
+  struct timespec now {};
+  sys::clock_gettime(clock, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
 std::int64_t now_ns() { return clock_ns(CLOCK_MONOTONIC); }
-std::int64_t realtime_offset_ns() { return clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC); }
 
 void sleep_ns(std::int64_t duration) {
   const struct timespec span = to_timespec(duration);
@@ -121,12 +119,24 @@ void futex_wait(const void* word, std::uint32_t expected, std::int64_t until_ns)
   call(SYS_futex, word, FUTEX_WAIT_BITSET, expected, &until, nullptr, FUTEX_BITSET_MATCH_ANY);
 }
 
+int ppoll(struct pollfd* polled, nfds_t count, const struct timespec* timeout, const sigset_t* signals) {
+  constexpr unsigned long kKernelSet = 8;  // bytes of the kernel's sigset_t
+  struct timespec left {};
+  if (timeout != nullptr) left = *timeout;  // the kernel writes what is left
+  return static_cast<int>(
+      call(SYS_ppoll, polled, count, timeout != nullptr ? &left : nullptr, signals, kKernelSet));
+}
+
+int signal_thread(int pid, int tid, int signal) {
+  return static_cast<int>(call(SYS_tgkill, pid, tid, signal));
+}
+
 int readable(int fd, bool waits) {
   struct pollfd waiting {
     fd, POLLIN, 0
   };
   const struct timespec at_once {};
-  return static_cast<int>(call(SYS_ppoll, &waiting, 1UL, waits ? nullptr : &at_once, nullptr, 0UL));
+  return sys::ppoll(&waiting, 1, waits ? nullptr : &at_once, nullptr);
 }
 
 int copy_in(void* to, const void* user, std::size_t size) {

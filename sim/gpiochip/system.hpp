@@ -3,8 +3,9 @@
 // alone.
 #pragma once
 
+#include <poll.h>
+#include <signal.h>
 #include <sys/types.h>
-
 #include <time.h>
 
 #include <cstddef>
@@ -36,12 +37,15 @@ void* map_shared(int fd, std::size_t size);
 void unmap(void* address, std::size_t size);
 
 int clock_gettime(clockid_t clock, struct timespec* time);  ///< native, whatever is preloaded
-std::int64_t now_ns();                  ///< CLOCK_MONOTONIC of the machine; see rig_time.hpp
-std::int64_t realtime_offset_ns();      ///< CLOCK_REALTIME minus CLOCK_MONOTONIC
+std::int64_t now_ns();  ///< CLOCK_MONOTONIC of the machine; see rig_time.hpp
+std::int64_t clock_ns(clockid_t clock);
 void sleep_ns(std::int64_t duration);   ///< may end early
 void futex_wake_all(const void* word);  ///< across processes
 /// Sleeps while *word == expected, until an absolute instant of CLOCK_MONOTONIC.
 void futex_wait(const void* word, std::uint32_t expected, std::int64_t until_ns);
+
+int ppoll(struct pollfd* polled, nfds_t count, const struct timespec* timeout, const sigset_t* signals);
+int signal_thread(int pid, int tid, int signal);
 
 /// 1 if there is something to read or the other end is gone, 0 if not yet; it can wait for that.
 int readable(int fd, bool waits);

@@ -45,7 +45,8 @@ void block_child_signals() {
 }
 
 Result<int> start_child(const std::vector<std::string>& command,
-                        const std::vector<std::pair<std::string, std::string>>& environment) {
+                        const std::vector<std::pair<std::string, std::string>>& environment,
+                        const std::function<void()>& first) {
   int report[2];  // closed by a successful exec, else it carries errno
   if (pipe2(report, O_CLOEXEC) != 0) return fail(std::string("pipe: ") + std::strerror(errno));
   const pid_t pid = fork();
@@ -55,7 +56,10 @@ Result<int> start_child(const std::vector<std::string>& command,
     close(report[1]);
     return fail(std::string("fork: ") + std::strerror(error));
   }
-  if (pid == 0) become(command, environment, report[1]);
+  if (pid == 0) {
+    if (first) first();
+    become(command, environment, report[1]);
+  }
   close(report[1]);
   int error = 0;
   const ssize_t got = read(report[0], &error, sizeof error);

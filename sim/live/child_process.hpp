@@ -3,6 +3,7 @@
 // after it.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,9 +17,10 @@ namespace strobe::sim {
 void block_child_signals();
 
 /// Starts `command` (looked up in PATH) with these environment variables set and all others kept. The child
-/// is sent SIGTERM if this process dies. Fails if the command cannot be executed.
+/// is sent SIGTERM if this process dies. Fails if the command cannot be executed. `first`: what the child does before.
 Result<int> start_child(const std::vector<std::string>& command,
-                        const std::vector<std::pair<std::string, std::string>>& environment);
+                        const std::vector<std::pair<std::string, std::string>>& environment,
+                        const std::function<void()>& first = {});
 
 /// Waits for the child's end, forwarding SIGINT, SIGTERM, SIGHUP and SIGQUIT (but not those that a terminal
 /// sends to the whole foreground, which the child gets anyway). Gives its exit status, or 128 plus the signal that

@@ -3,7 +3,6 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/prctl.h>
-#include <time.h>
 
 #include <algorithm>
 
@@ -25,19 +24,12 @@ void become_prompt() {
 
 }  // namespace
 
-MonoTime monotonic_now() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return from_ns(now.tv_sec * 1'000'000'000 + now.tv_nsec);
-}
-
 RigRunner::RigRunner(Chip chip, const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store,
-                     bool record_changes, const Model& model, bool rig_time)
+                     bool record_changes, const Model& model)
     : chip_(std::move(chip)),
       rig_(scene, seed, chip_.now(), model),
       exposure_store_(exposure_store),
       record_changes_(record_changes),
-      rig_time_(rig_time),
       cursor_(chip_.cursor_now()) {}
 
 RigRunner::~RigRunner() { stop(); }
@@ -74,15 +66,12 @@ void RigRunner::give_drives(MonoTime now) {
 }
 
 void RigRunner::run(const std::atomic<bool>& stopping) {
-  become_prompt();
-  if (rig_time_) chip_.keep_time(cursor_);
+  if (!chip_.keeps_time()) become_prompt();
   while (!stopping) {
     take_changes(std::min(rig_.next_due(), chip_.now() + kLongestWait));
     give_drives(chip_.now());
     exposure_store_.set_exposing(rig_.exposing_since());
-    chip_.rig_turned(cursor_, rig_.next_due());
   }
-  if (rig_time_) chip_.stop_keeping_time();
   take_changes(chip_.now());
   exposures_.clear();
   rig_.finish(chip_.now(), exposures_);

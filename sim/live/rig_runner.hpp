@@ -1,6 +1,6 @@
-// Runs a rig in real time on a chip: a thread of its own that waits for line changes, hands them to the rig,
-// and drives the inputs as soon as their instants have passed, with their exact stamps. The thread requests
-// SCHED_FIFO priority and continues without it if that is not permitted. Start and stop from one thread.
+// Runs a rig on a chip: a thread of its own that waits for line changes, hands them to the rig, and drives the inputs as
+// soon as their instants have passed, with their exact stamps. In the machine's time the thread requests SCHED_FIFO
+// priority and continues without it if that is not permitted. Start and stop from one thread.
 #pragma once
 
 #include <atomic>
@@ -15,14 +15,12 @@
 
 namespace strobe::sim {
 
-MonoTime monotonic_now();
-
 class RigRunner {
  public:
   /// `chip` is this runner's own, created or attached to; changes from now on are seen. `exposure_store` must
-  /// outlive the runner. rig_time: the rig keeps the time of the program under test (sim/gpiochip/rig_time.hpp).
+  /// outlive the runner.
   RigRunner(Chip chip, const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store,
-            bool record_changes, const Model& model = Model::full(), bool rig_time = false);
+            bool record_changes, const Model& model = Model::full());
   ~RigRunner();
   RigRunner(const RigRunner&) = delete;
   RigRunner& operator=(const RigRunner&) = delete;
@@ -30,6 +28,11 @@ class RigRunner {
   void start();
   /// Ends the thread and stores an exposure still in progress.
   void stop();
+
+  /// Of the rig's other threads.
+  RigClock clock() const { return chip_.clock(); }
+  /// Before the program under test becomes what it is.
+  void take_along() const { chip_.join_time(); }
 
   /// All changes of all lines, if they were to be recorded. After stop() only.
   const std::vector<Change>& changes() const { return recorded_; }
@@ -43,7 +46,6 @@ class RigRunner {
   Rig rig_;
   ExposureStore& exposure_store_;
   bool record_changes_;
-  bool rig_time_;
   ChangeCursor cursor_;
   std::vector<Change> fresh_;
   std::vector<Change> recorded_;

@@ -1,7 +1,5 @@
 #include "sim/live/tablet_operator.hpp"
 
-#include <poll.h>
-
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -11,13 +9,12 @@
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/wire/lcm_url.hpp"
-#include "sim/live/rig_runner.hpp"
 
 namespace strobe::sim {
 
 namespace {
 
-constexpr int kPoll_ms = 10;
+constexpr Duration kPoll = milliseconds(10);
 constexpr int kMaxDatagrams = 1000;  // between two looks at the tasks
 // the shot's start and the shutter line's edge may coincide
 constexpr Duration kStartSlack = milliseconds(1);
@@ -40,11 +37,13 @@ strobe_msgs::frame_t to_message(const reduction::Frame& frame, std::int64_t boot
 }
 
 TabletOperator::TabletOperator(const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store,
-                               TruthFile& truth, std::string rig_name, const authentication::Key& key)
+                               TruthFile& truth, std::string rig_name, const authentication::Key& key,
+                               RigClock clock)
     : scene_(scene),
       seed_(seed),
       exposure_store_(exposure_store),
       truth_(truth),
+      clock_(clock),
       rig_name_(std::move(rig_name)),
       seal_(key),
       packet_{random_id(), 0} {}
@@ -53,9 +52,9 @@ TabletOperator::~TabletOperator() { stop(); }
 
 Result<std::unique_ptr<TabletOperator>> TabletOperator::create(
     const std::string& lcm_url, const std::string& rig_name, const authentication::Key& key,
-    const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store, TruthFile& truth) {
+    const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store, TruthFile& truth, RigClock clock) {
   std::unique_ptr<TabletOperator> tablet_operator(
-      new TabletOperator(scene, seed, exposure_store, truth, rig_name, key));
+      new TabletOperator(scene, seed, exposure_store, truth, rig_name, key, clock));
   if (auto joined = tablet_operator->join(lcm_url); !joined)
     return fail("cannot join LCM: " + joined.error().message + "; --no-digitizer does without");
   return tablet_operator;
@@ -87,7 +86,7 @@ void TabletOperator::stop() {
 void TabletOperator::receive() {
   socket_->stay_joined();
   pollfd readable{socket_->fd(), POLLIN, 0};
-  poll(&readable, 1, kPoll_ms);
+  clock_.poll(&readable, 1, kPoll);
   const std::string channel = messages::channel_name(rig_name_, messages::Channel::shot);
   for (int i = 0; i < kMaxDatagrams; ++i) {
     const auto received = socket_->receive();
@@ -105,8 +104,7 @@ void TabletOperator::receive() {
 void TabletOperator::on_shot(const strobe_msgs::shot_t& shot) {
   const ShotKey key{shot.boot_id, shot.shot_id};
   if (const auto known = sent_.find(key); known != sent_.end()) return publish(known->second);
-  if (announced_.insert(key).second)
-    tasks_.push_back({key, from_ns(shot.start_ns), monotonic_now(), nullptr});
+  if (announced_.insert(key).second) tasks_.push_back({key, from_ns(shot.start_ns), clock_.now(), nullptr});
 }
 
 void TabletOperator::publish(const strobe_msgs::frame_t& frame) {
@@ -148,7 +146,7 @@ void TabletOperator::send(const Task& task) {
 void TabletOperator::run() {
   while (!stopping_) {
     receive();
-    const MonoTime now = monotonic_now();
+    const MonoTime now = clock_.now();
     std::erase_if(tasks_, [&](Task& task) { return process(task, now); });
   }
   for (Task& task : tasks_) {

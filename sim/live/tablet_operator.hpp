@@ -21,6 +21,7 @@
 #include "common/shot/shot_key.hpp"
 #include "common/wire/assembler.hpp"
 #include "common/wire/channel_socket.hpp"
+#include "sim/gpiochip/rig_clock.hpp"
 #include "sim/live/exposure_store.hpp"
 #include "sim/live/truth_file.hpp"
 #include "sim/rig/tablet.hpp"
@@ -37,7 +38,7 @@ class TabletOperator {
                                                         const std::string& rig_name,
                                                         const authentication::Key& key, const Scene& scene,
                                                         std::uint64_t seed, ExposureStore& exposure_store,
-                                                        TruthFile& truth);
+                                                        TruthFile& truth, RigClock clock = {});
   ~TabletOperator();
   TabletOperator(const TabletOperator&) = delete;
   TabletOperator& operator=(const TabletOperator&) = delete;
@@ -59,7 +60,7 @@ class TabletOperator {
   };
 
   TabletOperator(const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store, TruthFile& truth,
-                 std::string rig_name, const authentication::Key& key);
+                 std::string rig_name, const authentication::Key& key, RigClock clock);
   Result<void> join(const std::string& lcm_url);
   void run();
   /// Takes in what has arrived, after waiting for it a moment.
@@ -75,6 +76,7 @@ class TabletOperator {
   std::uint64_t seed_;
   ExposureStore& exposure_store_;
   TruthFile& truth_;
+  const RigClock clock_;
   std::string rig_name_;
   authentication::PacketSeal seal_;
   authentication::PacketNumber packet_;  ///< the newest sent

@@ -4,9 +4,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <chrono>
-
-#include "sim/live/rig_runner.hpp"
 #include "sim/photograph/photograph_file.hpp"
 #include "sim/photograph/render.hpp"
 
@@ -16,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::chrono::milliseconds kPoll{5};
+constexpr Duration kLook = milliseconds(5);
 constexpr int kLowest = 19;
 
 /// When the file appears at the earliest.
@@ -33,14 +30,15 @@ bool makes_photograph(const Scene& scene, const Exposure& exposure) {
 }  // namespace
 
 TetheredCamera::TetheredCamera(const fs::path& folder, const Scene& scene, std::uint64_t seed,
-                               const ExposureStore& exposure_store)
-    : folder_(folder), scene_(scene), seed_(seed), exposure_store_(exposure_store) {}
+                               const ExposureStore& exposure_store, RigClock clock)
+    : folder_(folder), scene_(scene), seed_(seed), exposure_store_(exposure_store), clock_(clock) {}
 
 TetheredCamera::~TetheredCamera() { static_cast<void>(stop()); }
 
 Result<std::unique_ptr<TetheredCamera>> TetheredCamera::create(const fs::path& folder, const Scene& scene,
                                                                std::uint64_t seed,
-                                                               const ExposureStore& exposure_store) {
+                                                               const ExposureStore& exposure_store,
+                                                               RigClock clock) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (!fs::is_directory(folder, error) || access(folder.c_str(), W_OK) != 0)
@@ -49,7 +47,7 @@ Result<std::unique_ptr<TetheredCamera>> TetheredCamera::create(const fs::path& f
   if (static_cast<double>(size.width) * size.height > kMaxPixels)
     return fail(fmt::format("scene {}: photographs of {} x {} px are too large", scene.name, size.width,
                             size.height));
-  return std::unique_ptr<TetheredCamera>(new TetheredCamera(folder, scene, seed, exposure_store));
+  return std::unique_ptr<TetheredCamera>(new TetheredCamera(folder, scene, seed, exposure_store, clock));
 }
 
 void TetheredCamera::start(bool gives_way) {
@@ -68,7 +66,7 @@ void TetheredCamera::run(bool gives_way) {
   if (gives_way) setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLowest);
   while (!stopping_) {
     take(false);
-    std::this_thread::sleep_for(kPoll);
+    clock_.sleep_for(kLook);
   }
   take(true);
 }
@@ -79,7 +77,7 @@ void TetheredCamera::take(bool at_once) {
     if (makes_photograph(scene_, *exposures[seen_])) waiting_.push_back(exposures[seen_]);
   }
   std::erase_if(waiting_, [&](const std::shared_ptr<const Exposure>& exposure) {
-    if (!at_once && monotonic_now() < due(scene_, *exposure)) return false;
+    if (!at_once && clock_.now() < due(scene_, *exposure)) return false;
     photograph(*exposure);
     return true;
   });

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/result.hpp"
+#include "sim/gpiochip/rig_clock.hpp"
 #include "sim/live/exposure_store.hpp"
 
 namespace strobe::sim {
@@ -20,7 +21,8 @@ class TetheredCamera {
   /// `exposure_store` must outlive the camera.
   static Result<std::unique_ptr<TetheredCamera>> create(const std::filesystem::path& folder,
                                                         const Scene& scene, std::uint64_t seed,
-                                                        const ExposureStore& exposure_store);
+                                                        const ExposureStore& exposure_store,
+                                                        RigClock clock = {});
   ~TetheredCamera();
   TetheredCamera(const TetheredCamera&) = delete;
   TetheredCamera& operator=(const TetheredCamera&) = delete;
@@ -33,7 +35,7 @@ class TetheredCamera {
 
  private:
   TetheredCamera(const std::filesystem::path& folder, const Scene& scene, std::uint64_t seed,
-                 const ExposureStore& exposure_store);
+                 const ExposureStore& exposure_store, RigClock clock);
   void run(bool gives_way);
   /// Renders the exposures that are due; all of them if `at_once`.
   void take(bool at_once);
@@ -44,6 +46,7 @@ class TetheredCamera {
   const Scene scene_;
   std::uint64_t seed_;
   const ExposureStore& exposure_store_;
+  const RigClock clock_;
   std::vector<std::shared_ptr<const Exposure>> waiting_;
   std::size_t seen_ = 0;  ///< exposures of the exposure_store
   int last_number_ = 0;   ///< in a file's name

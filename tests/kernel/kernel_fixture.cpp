@@ -7,14 +7,13 @@
 #include <stdexcept>
 
 #include "common/authentication/key_file.hpp"
-#include "sim/live/rig_runner.hpp"
+#include "sim/gpiochip/rig_clock.hpp"
 #include "sim/loading/scene_files.hpp"
 
 namespace strobe::kernel {
 
 namespace {
 
-using sim::monotonic_now;
 using sim::RigLine;
 
 const Multicast kLcm{"239.255.76.67", 7667};
@@ -42,7 +41,7 @@ std::optional<Pin> pin_of(RigLine line) {
 /// How far the machine's CLOCK_MONOTONIC is behind this one's: its uptime, in hundredths of a second.
 Duration clock_offset(VirtualMachine& machine) {
   const double uptime_s = std::stod(machine.run("cat /proc/uptime"));
-  return monotonic_now() - from_ns(static_cast<std::int64_t>(uptime_s * 1e9)) - kLaterThanTrue;
+  return sim::RigClock{}.now() - from_ns(static_cast<std::int64_t>(uptime_s * 1e9)) - kLaterThanTrue;
 }
 
 }  // namespace
@@ -84,7 +83,7 @@ KernelFixture::~KernelFixture() {
   tablet_operator_->stop();
 }
 
-MonoTime KernelFixture::there() const { return monotonic_now() - clock_offset_; }
+MonoTime KernelFixture::there() const { return sim::RigClock{}.now() - clock_offset_; }
 
 bool KernelFixture::start_strobed(const std::string& program) {
   // The same key on both sides.

@@ -16,6 +16,7 @@
 
 #include "sim/gpiochip/preload/records.hpp"
 #include "sim/gpiochip/preload/uapi.hpp"
+#include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
 
 #define STROBE_EXPORT extern "C" __attribute__((visibility("default")))
@@ -322,6 +323,17 @@ STROBE_EXPORT ssize_t read(int fd, void* data, size_t size) {
 STROBE_EXPORT ssize_t __read_chk(int fd, void* data, size_t size, size_t room) {
   if (size > room) abort();
   return read_any(STROBE_NEXT(ReadFunction, "read"), fd, data, size);
+}
+
+// What strobed's loop leaves for its other threads reaches them once it sleeps (rig_time.hpp).
+STROBE_EXPORT ssize_t write(int fd, const void* data, size_t size) {
+  using Function = ssize_t(int, const void*, size_t);
+  std::uint64_t value = 0;
+  if (size == sizeof(value) && gpio::is_loop()) {
+    memcpy(&value, data, sizeof(value));
+    if (gpio::put_off_write(fd, value)) return static_cast<ssize_t>(size);
+  }
+  return STROBE_NEXT(Function, "write")(fd, data, size);
 }
 
 STROBE_EXPORT int ioctl(int fd, unsigned long given, ...) noexcept {

@@ -1,10 +1,14 @@
-// The libc functions through which the program under test knows the time: rig time where one is kept (rig_time.hpp).
-// Its loop is the thread that asked for a real-time policy and waits with ppoll(2).
+// The libc functions through which a program knows the time and waits for it: rig time where one is kept
+// (rig_time.hpp). The thread that asked for a real-time policy and waits with ppoll(2) is the loop.
 #include <dlfcn.h>
+#include <errno.h>
 #include <poll.h>
 #include <pthread.h>
 #include <sched.h>
+#include <spawn.h>
+#include <sys/time.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "sim/gpiochip/preload/device.hpp"
 #include "sim/gpiochip/rig_time.hpp"
@@ -16,83 +20,231 @@ namespace gpio = strobe::sim::gpio;
 
 namespace {
 
-thread_local bool asked_for_real_time = false;
+constexpr std::int64_t kSecond = 1'000'000'000;
 
 /// Null: the machine's time.
 gpio::State* kept() {
   gpio::State* state = gpio::device().state;
-  return state != nullptr && state->time.kept.load(std::memory_order_relaxed) != 0 ? state : nullptr;
+  return state != nullptr && gpio::is_kept(*state) ? state : nullptr;
+}
+
+/// Null: rig time is not kept, nor was it.
+gpio::State* known() {
+  gpio::State* state = gpio::device().state;
+  const bool was_kept = state != nullptr && state->time.realtime_less_ns.load(std::memory_order_relaxed) != 0;
+  return was_kept ? state : nullptr;
 }
 
 struct timespec timespec_of(std::int64_t ns) {
-  return {static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
+  return {static_cast<time_t>(ns / kSecond), static_cast<long>(ns % kSecond)};
 }
+std::int64_t ns_of(const struct timespec& time) { return time.tv_sec * kSecond + time.tv_nsec; }
 
 template <typename Function>
-Function* next(Function*& cache, const char* name) {
-  Function* found = __atomic_load_n(&cache, __ATOMIC_RELAXED);
-  if (found == nullptr) {
-    found = reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
-    __atomic_store_n(&cache, found, __ATOMIC_RELAXED);
+Function* next(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+}
+
+/// False: a clock of the thread or the process, which is the machine's.
+bool read_clock(gpio::State& state, clockid_t clock, std::int64_t& ns) {
+  switch (clock) {
+    case CLOCK_MONOTONIC:
+    case CLOCK_MONOTONIC_COARSE:
+    case CLOCK_MONOTONIC_RAW:
+      ns = gpio::now_ns(state);
+      return true;
+    case CLOCK_REALTIME:
+    case CLOCK_REALTIME_COARSE:
+      ns = gpio::realtime_ns(state);
+      return true;
+    case CLOCK_BOOTTIME:
+      ns = gpio::boottime_ns(state);
+      return true;
+    default:
+      return false;
   }
-  return found;
 }
 
-using PpollFunction = int(struct pollfd*, nfds_t, const struct timespec*, const sigset_t*);
-
-PpollFunction* native_ppoll() {
-  static PpollFunction* cache = nullptr;
-  return next(cache, "ppoll");
+/// An instant of that clock as one of CLOCK_MONOTONIC.
+std::int64_t monotonic_of(gpio::State& state, clockid_t clock, std::int64_t ns) {
+  std::int64_t there = 0;
+  return read_clock(state, clock, there) ? gpio::now_ns(state) + (ns - there) : ns;
 }
 
-int poll_in_rig_time(gpio::State& state, struct pollfd* polled, nfds_t count, const struct timespec* timeout,
-                     const sigset_t* signals) {
-  if (!gpio::is_loop()) gpio::become_loop(state);
-  const std::int64_t duration = timeout == nullptr ? -1 : timeout->tv_sec * 1'000'000'000 + timeout->tv_nsec;
-  const auto native = [&](std::int64_t timeout_ns) {
-    const struct timespec at_most = timespec_of(timeout_ns);
-    return native_ppoll()(polled, count, &at_most, signals);
-  };
-  if (duration != 0) return gpio::sleep_loop(state, duration, native);
-  gpio::now_ns(state);
-  return native(0);
+/// 0, or EINTR with what is left.
+int sleep_in_rig_time(gpio::State& state, std::int64_t duration_ns, struct timespec* left) {
+  const std::int64_t until = gpio::now_ns(state) + duration_ns;
+  const int before = errno;
+  const int result = duration_ns > 0 ? gpio::wait_for(state, nullptr, 0, duration_ns) : 0;
+  errno = before;
+  if (result == 0) return 0;
+  if (left != nullptr) *left = timespec_of(until > gpio::now_ns(state) ? until - gpio::now_ns(state) : 0);
+  return EINTR;
+}
+
+__attribute__((constructor)) void join() {
+  gpio::State* state = kept();
+  if (state == nullptr) return;
+  gpio::prepare_waits();
+  gpio::join_time(*state, getpid());
+}
+
+using TimedWaitFunction = int(pthread_cond_t*, pthread_mutex_t*, clockid_t, const struct timespec*);
+
+/// In slices, since nothing else than its own broadcast ends it.
+int wait_for_condition(gpio::State& state, pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock,
+                       const struct timespec* until) {
+  static auto* const native = next<TimedWaitFunction>("pthread_cond_clockwait");
+  int result = ETIMEDOUT;
+  const bool ended = gpio::wait_in_slices(state, monotonic_of(state, clock, ns_of(*until)), [&] {
+    const struct timespec slice = timespec_of(gpio::sys::now_ns() + 1'000'000);
+    result = native(condition, mutex, CLOCK_MONOTONIC, &slice);
+    return result != ETIMEDOUT;
+  });
+  return ended ? result : ETIMEDOUT;
 }
 
 }  // namespace
 
 STROBE_EXPORT int clock_gettime(clockid_t clock, struct timespec* time) noexcept {
-  gpio::State* state = kept();
-  if (state == nullptr || (clock != CLOCK_MONOTONIC && clock != CLOCK_REALTIME && clock != CLOCK_BOOTTIME))
-    return gpio::sys::clock_gettime(clock, time);
-  if (clock == CLOCK_MONOTONIC) {
-    *time = timespec_of(gpio::now_ns(*state));
-    return 0;
-  }
-  // All clocks go and stand together. Read before the lag: a preemption in between must not look like a sleep.
-  const int result = gpio::sys::clock_gettime(clock, time);
-  const std::int64_t there = time->tv_sec * 1'000'000'000 + time->tv_nsec;
-  *time = timespec_of(there - gpio::lag_ns(*state));
-  return result;
+  gpio::State* state = known();
+  std::int64_t ns = 0;
+  if (state == nullptr || !read_clock(*state, clock, ns)) return gpio::sys::clock_gettime(clock, time);
+  *time = timespec_of(ns);
+  return 0;
 }
 
-STROBE_EXPORT int pthread_setschedparam(pthread_t thread, int policy,
-                                        const struct sched_param* wanted) noexcept {
-  using Function = int(pthread_t, int, const struct sched_param*);
-  static Function* cache = nullptr;
-  // Whether it is granted or not: a machine may lack the right, rig time stands in for it.
-  if (pthread_equal(thread, pthread_self()) != 0)
-    asked_for_real_time = (policy & ~SCHED_RESET_ON_FORK) == SCHED_FIFO;
-  return next(cache, "pthread_setschedparam")(thread, policy, wanted);
+STROBE_EXPORT int gettimeofday(struct timeval* time, void*) noexcept {
+  struct timespec now {};
+  clock_gettime(CLOCK_REALTIME, &now);
+  *time = {now.tv_sec, now.tv_nsec / 1000};
+  return 0;
+}
+
+STROBE_EXPORT time_t time(time_t* time) noexcept {
+  struct timespec now {};
+  clock_gettime(CLOCK_REALTIME, &now);
+  if (time != nullptr) *time = now.tv_sec;
+  return now.tv_sec;
+}
+
+STROBE_EXPORT int clock_nanosleep(clockid_t clock, int flags, const struct timespec* wanted,
+                                  struct timespec* left) {
+  gpio::State* state = kept();
+  if (state == nullptr) {
+    using Function = int(clockid_t, int, const struct timespec*, struct timespec*);
+    static auto* const native = next<Function>("clock_nanosleep");
+    return native(clock, flags, wanted, left);
+  }
+  if ((flags & TIMER_ABSTIME) == 0) return sleep_in_rig_time(*state, ns_of(*wanted), left);
+  return sleep_in_rig_time(*state, monotonic_of(*state, clock, ns_of(*wanted)) - gpio::now_ns(*state),
+                           nullptr);
+}
+
+STROBE_EXPORT int nanosleep(const struct timespec* wanted, struct timespec* left) {
+  const int result = clock_nanosleep(CLOCK_REALTIME, 0, wanted, left);
+  if (result == 0) return 0;
+  errno = result;
+  return -1;
+}
+
+STROBE_EXPORT int poll(struct pollfd* polled, nfds_t count, int timeout_ms) {
+  gpio::State* state = timeout_ms == 0 ? nullptr : kept();
+  if (state != nullptr)
+    return gpio::wait_for(*state, polled, count, timeout_ms < 0 ? -1 : std::int64_t{timeout_ms} * 1'000'000);
+  using Function = int(struct pollfd*, nfds_t, int);
+  static auto* const native = next<Function>("poll");
+  return native(polled, count, timeout_ms);
+}
+STROBE_EXPORT int __poll_chk(struct pollfd* polled, nfds_t count, int timeout_ms, size_t) {
+  return poll(polled, count, timeout_ms);
 }
 
 STROBE_EXPORT int ppoll(struct pollfd* polled, nfds_t count, const struct timespec* timeout,
                         const sigset_t* signals) {
-  gpio::State* state = asked_for_real_time ? kept() : nullptr;
-  return state == nullptr ? native_ppoll()(polled, count, timeout, signals)
-                          : poll_in_rig_time(*state, polled, count, timeout, signals);
+  gpio::State* state = kept();
+  if (state == nullptr) {
+    using Function = int(struct pollfd*, nfds_t, const struct timespec*, const sigset_t*);
+    static auto* const native = next<Function>("ppoll");
+    return native(polled, count, timeout, signals);
+  }
+  gpio::become_loop(*state);
+  return gpio::wait_for(*state, polled, count, timeout == nullptr ? -1 : ns_of(*timeout), signals);
 }
 // What ppoll() becomes under _FORTIFY_SOURCE.
 STROBE_EXPORT int __ppoll_chk(struct pollfd* polled, nfds_t count, const struct timespec* timeout,
                               const sigset_t* signals, size_t) {
   return ppoll(polled, count, timeout, signals);
+}
+
+STROBE_EXPORT int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock,
+                                         const struct timespec* until) {
+  gpio::State* state = kept();
+  if (state != nullptr) return wait_for_condition(*state, condition, mutex, clock, until);
+  static auto* const native = next<TimedWaitFunction>("pthread_cond_clockwait");
+  return native(condition, mutex, clock, until);
+}
+
+STROBE_EXPORT int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex,
+                                         const struct timespec* until) {
+  gpio::State* state = kept();
+  if (state != nullptr) return wait_for_condition(*state, condition, mutex, CLOCK_REALTIME, until);
+  using Function = int(pthread_cond_t*, pthread_mutex_t*, const struct timespec*);
+  static auto* const native = next<Function>("pthread_cond_timedwait");
+  return native(condition, mutex, until);
+}
+
+STROBE_EXPORT int pthread_setschedparam(pthread_t thread, int policy,
+                                        const struct sched_param* wanted) noexcept {
+  using Function = int(pthread_t, int, const struct sched_param*);
+  static auto* const native = next<Function>("pthread_setschedparam");
+  // Whether it is granted or not: a machine may lack the right, rig time stands in for it.
+  if (pthread_equal(thread, pthread_self()) != 0)
+    gpio::note_real_time((policy & ~SCHED_RESET_ON_FORK) == SCHED_FIFO);
+  return native(thread, policy, wanted);
+}
+
+// A child takes part from its first instruction on.
+namespace {
+
+void join_child(pid_t child) {
+  gpio::State* state = kept();
+  if (state != nullptr && child > 0) gpio::join_time(*state, child);
+}
+
+template <typename Spawn>
+int spawn(Spawn* native, pid_t* child, const char* path, const posix_spawn_file_actions_t* actions,
+          const posix_spawnattr_t* attributes, char* const* arguments, char* const* environment) {
+  pid_t made = 0;
+  const int result = native(&made, path, actions, attributes, arguments, environment);
+  if (result != 0) return result;
+  join_child(made);
+  if (child != nullptr) *child = made;
+  return 0;
+}
+
+}  // namespace
+
+STROBE_EXPORT pid_t fork() noexcept {
+  using Function = pid_t();
+  static auto* const native = next<Function>("fork");
+  const pid_t child = native();
+  join_child(child == 0 ? getpid() : child);
+  return child;
+}
+
+// A wrapper cannot return twice on one stack.
+STROBE_EXPORT pid_t vfork() noexcept { return fork(); }
+
+STROBE_EXPORT int posix_spawn(pid_t* child, const char* path, const posix_spawn_file_actions_t* actions,
+                              const posix_spawnattr_t* attributes, char* const* arguments,
+                              char* const* environment) {
+  static auto* const native = next<decltype(posix_spawn)>("posix_spawn");
+  return spawn(native, child, path, actions, attributes, arguments, environment);
+}
+STROBE_EXPORT int posix_spawnp(pid_t* child, const char* file, const posix_spawn_file_actions_t* actions,
+                               const posix_spawnattr_t* attributes, char* const* arguments,
+                               char* const* environment) {
+  static auto* const native = next<decltype(posix_spawnp)>("posix_spawnp");
+  return spawn(native, child, file, actions, attributes, arguments, environment);
 }

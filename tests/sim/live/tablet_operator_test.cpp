@@ -8,7 +8,6 @@
 
 #include "common/messages/channels.hpp"
 #include "common/wire/lcm_url.hpp"
-#include "sim/live/rig_runner.hpp"
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/private_network.hpp"
@@ -44,8 +43,8 @@ class Listener {
   }
   /// Waits for so many frames in all, or until the limit.
   bool hear(std::size_t frames, int limit_ms) {
-    const MonoTime end = monotonic_now() + milliseconds(limit_ms);
-    while (frames_.size() < frames && monotonic_now() < end) lcm_.handleTimeout(10);
+    const MonoTime end = RigClock{}.now() + milliseconds(limit_ms);
+    while (frames_.size() < frames && RigClock{}.now() < end) lcm_.handleTimeout(10);
     return frames_.size() >= frames;
   }
   const std::vector<strobe_msgs::frame_t>& frames() const { return frames_; }
@@ -66,7 +65,7 @@ class Listener {
 Exposure exposure_now(const Scene& scene, bool opened = true, bool ball = true) {
   test::VirtualRigFixture fixture(scene);
   Exposure exposure = fixture.shoot({.throw_ball = ball});
-  const Duration shift = monotonic_now() - exposure.closed - milliseconds(20);
+  const Duration shift = RigClock{}.now() - exposure.closed - milliseconds(20);
   exposure.line_on = exposure.line_on + shift;
   exposure.opened = opened ? exposure.opened + shift : kNoTime;
   exposure.closed = exposure.closed + shift;
@@ -231,10 +230,10 @@ TEST(TabletOperator, SendsALateFrameLate) {
   sit_down();
   const Exposure exposure = exposure_now(scene);
   exposure_store.add(exposure);
-  const MonoTime announced = monotonic_now();
+  const MonoTime announced = RigClock{}.now();
   listener->announce(1, exposure.line_on);
   CHECK(listener->hear(1, kFrameLimit_ms));
-  CHECK(monotonic_now() - announced >= milliseconds(650));
+  CHECK(RigClock{}.now() - announced >= milliseconds(650));
 }
 
 TEST(TabletOperator, WritesTheTruthOfAnnouncedShotsWhenItLeaves) {

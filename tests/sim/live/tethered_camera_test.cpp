@@ -5,7 +5,6 @@
 #include <set>
 #include <string>
 
-#include "sim/live/rig_runner.hpp"
 #include "sim/photograph/optics.hpp"
 #include "sim/shoot/shoot.hpp"
 #include "tests/support/pictures.hpp"
@@ -50,7 +49,7 @@ TEST_GROUP(TetheredCamera) {
   Exposure exposure(const Scene& scene, int shot) {
     auto made = shoot(scene, 4, shot);
     if (!made) FAIL(made.error().message.c_str());
-    const Duration shift = monotonic_now() - made->exposure.closed;
+    const Duration shift = RigClock{}.now() - made->exposure.closed;
     made->exposure.opened = made->exposure.opened + shift;
     made->exposure.closed = made->exposure.closed + shift;
     return made->exposure;

@@ -1,0 +1,143 @@
+#include "sim/gpiochip/thread_states.hpp"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace strobe::sim::gpio {
+namespace {
+
+constexpr std::size_t kRoom = 16384;
+thread_local std::array<char, kRoom> text;
+
+/// As in proc(5).
+char state_of(const char* stat) {
+  const char* const end_of_name = strrchr(stat, ')');
+  return end_of_name != nullptr && end_of_name[1] == ' ' ? end_of_name[2] : '?';
+}
+
+bool is_asleep(char state) { return strchr("STtZX", state) != nullptr; }
+
+struct Schedule {
+  unsigned long long ran_ns = 0;
+  unsigned long long waited_ns = 0;
+  unsigned long long runs = 0;
+};
+
+Schedule schedule_of(const char* schedstat) {
+  Schedule schedule;
+  if (schedstat != nullptr)
+    sscanf(schedstat, "%llu %llu %llu", &schedule.ran_ns, &schedule.waited_ns, &schedule.runs);
+  return schedule;
+}
+
+}  // namespace
+
+ThreadStates::File::File(const char* path) : fd_(::open(path, O_RDONLY | O_CLOEXEC)) {}
+ThreadStates::File::File(File&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+ThreadStates::File::~File() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+const char* ThreadStates::File::read() {
+  const ssize_t size = fd_ < 0 ? -1 : ::pread(fd_, text.data(), text.size() - 1, 0);
+  if (size <= 0) return nullptr;
+  text[static_cast<std::size_t>(size)] = '\0';
+  return text.data();
+}
+
+ThreadStates::ThreadStates(pid_t excepted) : excepted_(excepted), softnet_("/proc/net/softnet_stat") {}
+
+void ThreadStates::watch(const std::vector<pid_t>& programs) {
+  std::erase_if(programs_, [&](const auto& known) {
+    return std::find(programs.begin(), programs.end(), known.first) == programs.end();
+  });
+  for (const pid_t pid : programs) programs_.try_emplace(pid);
+}
+
+void ThreadStates::list_threads(pid_t pid, Program& program) const {
+  program.threads.clear();
+  char path[64];
+  snprintf(path, sizeof path, "/proc/%d/task", pid);
+  DIR* const folder = ::opendir(path);
+  if (folder == nullptr) return;
+  while (const dirent* entry = ::readdir(folder)) {
+    const pid_t tid = atoi(entry->d_name);
+    if (tid == 0 || tid == excepted_) continue;
+    char stat[96];
+    char schedstat[96];
+    snprintf(stat, sizeof stat, "%s/%d/stat", path, tid);
+    snprintf(schedstat, sizeof schedstat, "%s/%d/schedstat", path, tid);
+    program.threads.push_back({tid, File(stat), File(schedstat)});
+  }
+  ::closedir(folder);
+}
+
+bool ThreadStates::look(pid_t pid, Program& program, std::uint64_t& runs) {
+  char path[64];
+  snprintf(path, sizeof path, "/proc/%d/task", pid);
+  struct stat folder {};
+  if (::stat(path, &folder) != 0) return true;  // it is gone
+  if (folder.st_nlink != program.links) {
+    program.links = folder.st_nlink;
+    list_threads(pid, program);
+  }
+  for (Thread& thread : program.threads) {
+    const char* const stat = thread.stat.read();
+    if (stat == nullptr) {
+      program.links = 0;  // that one has ended, another may have begun
+      continue;
+    }
+    if (!is_asleep(state_of(stat))) {
+      running_ = thread.tid;
+      return false;
+    }
+    runs += schedule_of(thread.schedstat.read()).runs;
+  }
+  return true;
+}
+
+bool ThreadStates::look(std::uint64_t& runs) {
+  runs = 0;
+  for (auto& [pid, program] : programs_)
+    if (!look(pid, program, runs)) return false;
+  return true;
+}
+
+/// A line a core; the 12th number, where there is one, is how many packets wait in it.
+bool ThreadStates::network_is_quiet() {
+  const char* at = softnet_.read();
+  for (int column = 1; at != nullptr && *at != '\0'; ++column) {
+    char* end = nullptr;
+    const unsigned long value = strtoul(at, &end, 16);
+    if (column == 12 && value != 0) return false;
+    if (*end == '\n') column = 0;
+    at = end == at ? nullptr : end + 1;
+  }
+  return true;
+}
+
+bool ThreadStates::all_asleep() {
+  running_ = 0;
+  std::uint64_t before = 0;
+  std::uint64_t after = 0;
+  return look(before) && network_is_quiet() && look(after) && before == after;
+}
+
+std::uint64_t ThreadStates::consumed_ns(pid_t pid, pid_t tid) {
+  const auto program = programs_.find(pid);
+  if (program == programs_.end()) return 0;
+  for (Thread& thread : program->second.threads)
+    if (thread.tid == tid) return schedule_of(thread.schedstat.read()).ran_ns;
+  return 0;
+}
+
+}  // namespace strobe::sim::gpio

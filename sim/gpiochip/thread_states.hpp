@@ -1,0 +1,64 @@
+// Whether all threads of some programs sleep, as /proc tells it: a snapshot in which none of them ran. One thread.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+namespace strobe::sim::gpio {
+
+class ThreadStates {
+ public:
+  /// `excepted`: a thread that does not count, the caller's own.
+  explicit ThreadStates(pid_t excepted);
+
+  /// What it reads of a program's threads is kept until a call without the program.
+  void watch(const std::vector<pid_t>& programs);
+
+  /// True if every thread slept, was stopped or dead throughout the call. A thread that waits for the disk does not sleep,
+  /// nor does one that was woken and waits for a core; datagrams on their way through the kernel are waited for.
+  bool all_asleep();
+
+  /// Of a thread that all_asleep() found running: 0 if it found none.
+  pid_t running() const { return running_; }
+  /// Processor time that a thread has had. [ns]
+  std::uint64_t consumed_ns(pid_t pid, pid_t tid);
+
+ private:
+  /// A file of /proc that is read again and again.
+  class File {
+   public:
+    explicit File(const char* path);
+    File(File&& other) noexcept;
+    File& operator=(File&&) = delete;
+    ~File();
+    /// The text, or null if there is none any more. Valid until the next read of any.
+    const char* read();
+
+   private:
+    int fd_ = -1;
+  };
+  struct Thread {
+    pid_t tid;
+    File stat;
+    File schedstat;
+  };
+  struct Program {
+    std::uint64_t links = 0;  ///< of its folder of threads: 2 more than threads
+    std::vector<Thread> threads;
+  };
+  /// A look at all: false at the first that does not sleep. Adds up how often they have run.
+  bool look(std::uint64_t& runs);
+  bool look(pid_t pid, Program& program, std::uint64_t& runs);
+  void list_threads(pid_t pid, Program& program) const;
+  bool network_is_quiet();
+
+  pid_t excepted_;
+  pid_t running_ = 0;
+  std::map<pid_t, Program> programs_;
+  File softnet_;
+};
+
+}  // namespace strobe::sim::gpio

@@ -1,0 +1,226 @@
+#include "sim/gpiochip/time_keeper.hpp"
+
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "sim/gpiochip/levels.hpp"
+#include "sim/gpiochip/rig_time.hpp"
+#include "sim/gpiochip/system.hpp"
+#include "sim/gpiochip/thread_states.hpp"
+
+namespace strobe::sim::gpio {
+namespace {
+
+constexpr std::int64_t kUs = 1'000;
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kFirstLook = 20 * kUs;  // after a thread was woken
+constexpr std::int64_t kLastLook = 2 * kMs;    // while one works for long
+constexpr std::int64_t kListEvery = 20 * kMs;  // programs that have ended
+constexpr std::int64_t kHangs = 100 * kMs;     // of a loop's own time, without a look at the clock
+constexpr std::int64_t kEpoch2000 = INT64_C(946'684'800'000'000'000);
+
+class Keeping {
+ public:
+  explicit Keeping(State& state)
+      : state_(state), time_(state.time), threads_(static_cast<pid_t>(::syscall(SYS_gettid))) {}
+
+  void turn() {
+    time_.beats.fetch_add(1);
+    if (!all_asleep()) return look_again_later();
+    begun_ = begun_ || programs_.size() > 1;
+    if (!begun_) return rest(kLastLook);
+    pause_ns_ = kFirstLook;
+    TimedWait* const next = earliest();
+    if (next == nullptr) return rest(kLastLook);
+    const std::int64_t until = next->until_ns.load();
+    if (until == kNever) return;
+    if (!has_come(until)) return;
+    wake(*next, until);
+  }
+
+ private:
+  void list_programs() {
+    const std::int64_t wall = sys::now_ns();
+    programs_.clear();
+    for (std::atomic<std::int32_t>& program : time_.programs) {
+      const std::int32_t pid = program.load();
+      if (pid == 0) continue;
+      if (wall >= list_again_ns_ && ::kill(pid, 0) != 0 && errno == ESRCH) {
+        program.store(0);
+        continue;
+      }
+      programs_.push_back(pid);
+    }
+    if (wall >= list_again_ns_) list_again_ns_ = wall + kListEvery;
+    threads_.watch(programs_);
+  }
+
+  bool all_asleep() {
+    list_programs();
+    return threads_.all_asleep() ? no_slice_is_due() : loop_hangs();
+  }
+
+  /// One whose instant has come, but which has not looked yet.
+  bool no_slice_is_due() {
+    const std::int64_t now = time_.now_ns.load();
+    return std::none_of(std::begin(time_.waits), std::end(time_.waits), [now](const TimedWait& wait) {
+      return wait.tid.load() != 0 && wait.wake_by.load() == WakeBy::itself && wait.until_ns.load() <= now;
+    });
+  }
+
+  /// The only one that runs is a loop that no longer looks at the clock: time goes on without it.
+  bool loop_hangs() {
+    const pid_t tid = time_.loop_tid.load();
+    if (tid == 0 || threads_.running() != tid) return false;
+    const std::uint64_t looks = time_.loop_looks.load();
+    const std::uint64_t ran = threads_.consumed_ns(time_.loop_pid.load(), tid);
+    if (looks != looks_) {
+      looks_ = looks;
+      ran_ns_ = ran;
+    }
+    return ran - ran_ns_ > static_cast<std::uint64_t>(kHangs);
+  }
+
+  void look_again_later() {
+    // While the loop runs it will say when it lies down.
+    const std::uint32_t asleep = time_.asleep.load();
+    const bool loop_runs = threads_.running() == time_.loop_tid.load();
+    if (loop_runs) {
+      sys::futex_wait(&time_.asleep, asleep, sys::now_ns() + kLastLook);
+    } else {
+      sys::sleep_ns(pause_ns_);
+    }
+    pause_ns_ = std::min(pause_ns_ + pause_ns_ / 4, kLastLook);
+  }
+
+  /// The program's thread ids count up, whichever slot one has: the same order in each run.
+  TimedWait* earliest() {
+    TimedWait* found = nullptr;
+    for (TimedWait& wait : time_.waits) {
+      const std::int64_t until = wait.until_ns.load();
+      if (wait.tid.load() == 0 || until == kNever) continue;
+      if (found == nullptr || until < found->until_ns.load() ||
+          (until == found->until_ns.load() && wait.tid.load() < found->tid.load()))
+        found = &wait;
+    }
+    return found;
+  }
+
+  /// Lets time go on. False: the machine's has not come so far.
+  bool has_come(std::int64_t until) {
+    const std::int64_t now = time_.now_ns.load();
+    if (time_.pace.load() == Pace::wall) {
+      const std::int64_t wall = sys::now_ns();
+      if (wall < until) {
+        go_on(std::max(now, wall));
+        rest(std::min(until - wall, kMs / 2));
+        return false;
+      }
+    }
+    go_on(std::max(now, until));
+    return true;
+  }
+
+  void go_on(std::int64_t now) { time_.now_ns.store(now); }
+
+  void rest(std::int64_t duration) {
+    const std::uint32_t asleep = time_.asleep.load();
+    sys::futex_wait(&time_.asleep, asleep, sys::now_ns() + duration);
+  }
+
+  void wake(TimedWait& wait, std::int64_t until) {
+    const WakeBy wake_by = wait.wake_by.load();
+    if (wake_by != WakeBy::itself && !wait.until_ns.compare_exchange_strong(until, kNever)) return;
+    time_.next_ns.store(next_of_others(wait));
+    wait.woken.fetch_add(1);
+    switch (wake_by) {
+      case WakeBy::signal:
+        if (sys::signal_thread(wait.pid.load(), wait.tid.load(), kWaitSignal) != 0) wait.tid.store(0);
+        return;
+      case WakeBy::word:
+        sys::futex_wake_all(&wait.woken);
+        return;
+      case WakeBy::ring:
+        state_.waiting.store(1);
+        notify(state_);
+        return;
+      case WakeBy::itself:
+        return;
+    }
+  }
+
+  std::int64_t next_of_others(const TimedWait& woken) {
+    std::int64_t next = kNever;
+    for (TimedWait& wait : time_.waits) {
+      const std::int32_t tid = wait.tid.load();
+      if (tid == 0 || &wait == &woken || tid == time_.loop_tid.load() || wait.wake_by.load() == WakeBy::ring)
+        continue;
+      next = std::min(next, wait.until_ns.load());
+    }
+    return next;
+  }
+
+  State& state_;
+  RigTime& time_;
+  ThreadStates threads_;
+  std::vector<pid_t> programs_;
+  bool begun_ = false;  ///< time waits for the first other program
+  std::int64_t list_again_ns_ = 0;
+  std::int64_t pause_ns_ = kFirstLook;
+  std::uint64_t looks_ = 0;  ///< of the loop
+  std::uint64_t ran_ns_ = 0;
+};
+
+void set_clocks(State& state, const std::optional<TimeKeeper::Repeatable>& repeatable) {
+  RigTime& time = state.time;
+  time.next_ns.store(kNever);
+  time.rig_ns.store(kNever);
+  const std::int64_t wall = sys::now_ns();
+  time.now_ns.store(wall);
+  time.realtime_less_ns.store(sys::clock_ns(CLOCK_REALTIME) - wall);
+  time.boottime_less_ns.store(sys::clock_ns(CLOCK_BOOTTIME) - wall);
+  if (!repeatable) return;
+  state.epoch_ns = 0;
+  time.now_ns.store(repeatable->start_s * 1'000'000'000);
+  time.realtime_less_ns.store(kEpoch2000);
+  time.boottime_less_ns.store(0);
+  time.seed = repeatable->seed;
+}
+
+}  // namespace
+
+TimeKeeper::TimeKeeper(State& state, Pace pace, const std::optional<Repeatable>& repeatable) : state_(state) {
+  set_clocks(state, repeatable);
+  prepare_waits();
+  join_time(state, ::getpid());
+  state.time.pace.store(pace);
+  thread_ = std::thread([this] { run(); });
+}
+
+TimeKeeper::~TimeKeeper() {
+  stopping_ = true;
+  thread_.join();
+  RigTime& time = state_.time;
+  time.ahead_ns.store(time.now_ns.load() - sys::now_ns());
+  time.pace.store(Pace::machine);
+  for (TimedWait& wait : time.waits) {
+    if (wait.tid.load() == 0 || wait.until_ns.load() == kNever) continue;
+    wait.woken.fetch_add(1);
+    sys::futex_wake_all(&wait.woken);
+    sys::signal_thread(wait.pid.load(), wait.tid.load(), kWaitSignal);
+  }
+  time.turns.fetch_add(1);
+  sys::futex_wake_all(&time.turns);
+  state_.waiting.store(1);
+  notify(state_);
+}
+
+void TimeKeeper::run() {
+  Keeping keeping(state_);
+  while (!stopping_) keeping.turn();
+}
+
+}  // namespace strobe::sim::gpio
