@@ -16,7 +16,7 @@ namespace strobe::sim::gpio {
 namespace {
 
 constexpr std::size_t kRoom = 16384;
-thread_local std::array<char, kRoom> text;
+thread_local std::array<char, kRoom> stat_text;
 
 /// As in proc(5).
 char state_of(const char* stat) {
@@ -48,10 +48,10 @@ ThreadStates::File::~File() {
 }
 
 const char* ThreadStates::File::read() {
-  const ssize_t size = fd_ < 0 ? -1 : ::pread(fd_, text.data(), text.size() - 1, 0);
+  const ssize_t size = fd_ < 0 ? -1 : ::pread(fd_, stat_text.data(), stat_text.size() - 1, 0);
   if (size <= 0) return nullptr;
-  text[static_cast<std::size_t>(size)] = '\0';
-  return text.data();
+  stat_text[static_cast<std::size_t>(size)] = '\0';
+  return stat_text.data();
 }
 
 ThreadStates::ThreadStates(pid_t excepted) : excepted_(excepted), softnet_("/proc/net/softnet_stat") {}
