@@ -14,6 +14,7 @@
 
 #include "sim/gpiochip/levels.hpp"
 #include "sim/gpiochip/ownership.hpp"
+#include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
 
 namespace strobe::sim::gpio {
@@ -277,8 +278,10 @@ void ChipFolder::reset() {
   close_events();
   for (std::vector<int>* fifos : {&events, &requests, &watches_}) fifos->clear();
   if (lock_fd >= 0) ::close(std::exchange(lock_fd, -1));
-  if (state != nullptr) sys::unmap(std::exchange(state, nullptr), sizeof(State));
   made_chip_ = made_folder_ = false;
+  if (state == nullptr) return;
+  leave(*state);
+  sys::unmap(std::exchange(state, nullptr), sizeof(State));
 }
 
 }  // namespace strobe::sim::gpio

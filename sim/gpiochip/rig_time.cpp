@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <iterator>
 
 #include "sim/gpiochip/levels.hpp"
 #include "sim/gpiochip/system.hpp"
@@ -52,14 +53,25 @@ void write_now() {
 
 std::int32_t thread_id() { return static_cast<std::int32_t>(::syscall(SYS_gettid)); }
 
+void give_back(TimedWait*& wait) {
+  if (wait != nullptr && wait->tid.load() == thread_id()) {  // a forked child has its parent's
+    wait->until_ns.store(kNever);
+    wait->tid.store(0);
+  }
+  wait = nullptr;
+}
+
 Thread::~Thread() {
   write_now();
-  if (wait == nullptr || wait->tid.load() != thread_id()) return;  // a forked child has its parent's
-  wait->until_ns.store(kNever);
-  wait->tid.store(0);
+  give_back(wait);
+}
+
+bool is_of(const RigTime& time, const TimedWait* wait) {
+  return wait >= std::begin(time.waits) && wait < std::end(time.waits);
 }
 
 TimedWait& own_wait(RigTime& time) {
+  if (!is_of(time, self.wait)) give_back(self.wait);  // of another rig
   if (self.wait != nullptr && self.wait->tid.load() == thread_id()) return *self.wait;
   for (TimedWait& wait : time.waits) {
     std::int32_t free = 0;
@@ -298,6 +310,10 @@ int wait_for(State& state, struct pollfd* polled, nfds_t count, std::int64_t tim
     ready = look_at(polled, count);
   }
   return answer(ready);
+}
+
+void leave(State& state) {
+  if (is_of(state.time, self.wait)) give_back(self.wait);
 }
 
 void note_real_time(bool real_time) { self.real_time = real_time; }

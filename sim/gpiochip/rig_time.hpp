@@ -68,6 +68,9 @@ bool put_off_write(int fd, std::uint64_t value);
 /// `wake`: State::wake before it looked for changes.
 void sleep_as_rig(State& state, std::uint64_t ring_position, std::uint32_t wake, std::int64_t until_ns);
 
+/// Before the calling thread unmaps it.
+void leave(State& state);
+
 // How wait_in_slices() is made.
 void begin_wait(State& state, std::int64_t until_ns, WakeBy wake_by);
 void end_wait();
