@@ -155,7 +155,7 @@ void read_record(Fields& fields, Frame& frame) {
     if (value.is_string())
       frame.record[key] = value.get<std::string>();
     else if (value.is_primitive() && !value.is_null())
-      frame.record[key] = value.dump();
+      frame.record[key] = json_text(value);
     else if (!value.is_null())
       fields.wrong("record." + key, "must be text or a number");
   }
@@ -323,7 +323,7 @@ std::string frame_to_json(const Frame& frame) {
   if (!frame.record.empty()) object["record"] = frame.record;
   object["images"] = ordered_json::array();
   for (const BallImage& image : frame.images) object["images"].push_back(image_json(image));
-  return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  return json_text(object);
 }
 
 }  // namespace strobe::messages

@@ -3,6 +3,7 @@
 
 #include "common/messages/json_conversions.hpp"
 #include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "common/reduction/expanded_uncertainty.hpp"
 
 namespace strobe::messages {
@@ -102,7 +103,7 @@ std::string readout_to_json(const Readout& readout) {
   }
   object["record"] = ordered_json::object();
   for (const auto& [key, value] : readout.record) object["record"][key] = value;
-  return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  return json_text(object);
 }
 
 }  // namespace strobe::messages

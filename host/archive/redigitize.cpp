@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "common/config/files.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "host/archive/shot_outcome.hpp"
 #include "host/archive/stored_digitizations.hpp"
 #include "host/clock/machine_clock.hpp"
@@ -53,7 +54,7 @@ std::string file_text(const StoredShot& shot, const MeasuredPhotograph& measured
   more["who"] = author.who;
   std::string text = digitization_json(found, kept_name(shot), measured.settings, true);
   text.back() = ',';
-  return text + more.dump(-1, ' ', false, ordered_json::error_handler_t::replace).substr(1) + "\n";
+  return text + messages::json_text(more).substr(1) + "\n";
 }
 
 /// One more than that of any there was, those that were taken back included.

@@ -79,7 +79,7 @@ fs::path digitization_stem(const fs::path& session, const ShotKey& key, int numb
 Result<Digitization> parse_digitization(std::string_view text, const ShotKey& key, const std::string& name) {
   auto object = messages::parsed_json<nlohmann::json>(text);
   const bool given = give_times(object);
-  const auto frame = messages::frame_from_json(given ? object.dump() : std::string(text));
+  const auto frame = messages::frame_from_json(given ? messages::json_text(object) : std::string(text));
   if (!frame) return fail(name + ": " + frame.error().message);
   const auto word = [&object](const char* field) {
     const auto found = object.find(field);

@@ -131,7 +131,7 @@ Result<void> BatchJournal::add(const std::string& key, const BatchRow& row,
     object["changed_ns"] = photograph->changed_ns;
     object["hash"] = photograph->hash;
   }
-  const std::string line = object.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+  const std::string line = messages::json_text(object) + "\n";
   const std::lock_guard lock(mutex_);
   if (!config::write_all(fd_, line) || ::fdatasync(fd_) != 0) return fail(failure(path_));
   rows_[key] = row;

@@ -69,7 +69,7 @@ Result<void> write_manifest(const fs::path& folder, const BatchManifest& manifes
   nlohmann::ordered_json json;
   json["batch"] = manifest.id;
   json["sessions"] = manifest.sessions;
-  const std::string text = json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  const std::string text = messages::json_text(json, 1) + "\n";
   const fs::path path = folder / "batch.json";
   std::error_code error;
   if (fs::exists(path, error) && config::read_file(path.string()) == text) return {};

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/messages/parsed_json.hpp"
+
 namespace strobe::bounces {
 
 namespace {
@@ -190,7 +192,7 @@ std::string json(const published::Set& set, const Row& row) {
     out["predictions"][std::string(name(kModels[i]))] = prediction_json(row.predictions[i]);
   out["balance"] = balance_json(row.with_weight);
   out["balance_level"] = balance_json(row.level);
-  return out.dump();
+  return messages::json_text(out);
 }
 
 }  // namespace strobe::bounces

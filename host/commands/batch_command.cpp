@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "common/config/files.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "host/batch/batch_run.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
@@ -93,9 +94,9 @@ std::string finished_row_json(const FinishedRow& row) {
     if (text)
       value = cells[i];
     else if (!cells[i].empty())
-      value = nlohmann::ordered_json::parse(cells[i], nullptr, false);
+      value = messages::parsed_json<nlohmann::ordered_json>(cells[i]);
   }
-  return object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return messages::json_text(object);
 }
 
 /// A line in five seconds on standard error.
@@ -139,7 +140,7 @@ std::string end_json(const BatchProgress& progress, bool stopped) {
   object["unread_sessions"] = progress.unread_sessions;
   object["sessions_with_remarks"] = progress.sessions_with_remarks;
   object["stopped"] = stopped;
-  return object.dump();
+  return messages::json_text(object);
 }
 
 void print_end(const BatchOptions& options, const BatchProgress& progress, std::optional<int> merged) {

@@ -16,6 +16,7 @@
 #include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "host/camera/calibration.hpp"
 #include "host/camera/map_table.hpp"
 #include "host/commands/command.hpp"
@@ -150,7 +151,7 @@ void print_json(const CalibrateOptions& options, const CameraTable& table, const
                    {"spacing_sd_percent", options.spacing_sd_percent},
                    {"off_plane_sd_mm", options.off_plane_sd_mm},
                    {"tolerance_percent", options.tolerance_percent}};
-  std::printf("%s\n", out.dump().c_str());
+  std::printf("%s\n", messages::json_text(out).c_str());
 }
 
 void print_text(const CameraTable& table, const camera::Calibration& found) {

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/messages/parsed_json.hpp"
 #include "host/commission/record/record.hpp"
 
 namespace strobe::host {
@@ -48,9 +49,9 @@ std::string result_json(const StepView& step) {
   commission::RecordedStep line;
   line.result = *step.result;
   line.title = step.info.title;
-  auto object = nlohmann::ordered_json::parse(commission::record_line(line));
+  auto object = messages::parsed_json<nlohmann::ordered_json>(commission::record_line(line));
   for (const char* const key : {"utc", "rig", "operator", "version", "tables_hash"}) object.erase(key);
-  return object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return messages::json_text(object);
 }
 
 void CommissionConsole::on_prompt(const StepView& step, const Prompt& prompt) {

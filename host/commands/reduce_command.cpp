@@ -16,6 +16,7 @@
 #include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/json_conversions.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "common/reduction/budget.hpp"
 #include "common/reduction/legacy.hpp"
 #include "common/reduction/legacy_file.hpp"
@@ -190,7 +191,7 @@ class Reducer {
     std::string line = messages::readout_to_json(readout);
     if (budget_) {
       line.back() = ',';
-      line += "\"budget\":" + budget_json(budget, readout).dump() + "}";
+      line += "\"budget\":" + messages::json_text(budget_json(budget, readout)) + "}";
     }
     if (choice != nullptr) {
       line.back() = ',';

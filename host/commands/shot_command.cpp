@@ -7,6 +7,7 @@
 
 #include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "host/archive/redigitize.hpp"
 #include "host/archive/reduce_again.hpp"
 #include "host/commands/command.hpp"
@@ -60,7 +61,7 @@ std::vector<std::string> budget_lines_of(const StoredShot& shot, bool json) {
   if (json) {
     nlohmann::ordered_json object{{"shot", shot.name}};
     object["budget"] = budget_json(budget, readout);
-    return {object.dump()};
+    return {messages::json_text(object)};
   }
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/messages/json_conversions.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "host/view/quantities.hpp"
 #include "host/view/text.hpp"
 
@@ -60,8 +61,9 @@ std::string measurement_json(const StoredSession& session, const StoredShot& sho
   json["digitizations"] = ordered_json::array();
   for (const Digitization& each : shot.digitizations)
     json["digitizations"].push_back(digitization_json(session, each, &each == &shot.digitizations.back()));
-  if (before != nullptr) json["before"] = ordered_json::parse(messages::readout_to_json(before->readout));
-  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  if (before != nullptr)
+    json["before"] = messages::parsed_json<ordered_json>(messages::readout_to_json(before->readout));
+  return messages::json_text(json);
 }
 
 std::vector<std::string> measurement_lines(const StoredSession& session, const StoredShot& shot) {

@@ -12,6 +12,7 @@
 
 #include "common/messages/channels.hpp"
 #include "common/messages/json_conversions.hpp"
+#include "common/messages/parsed_json.hpp"
 
 namespace strobe::host {
 namespace {
@@ -30,7 +31,7 @@ std::string json_line(const ShotResult& result) {
                                 : messages::readout_to_json(result.readout);
   line.pop_back();
   line += fmt::format(",\"boot_id\":\"{:x}\",\"rejected\":{}", static_cast<std::uint64_t>(result.boot_id),
-                      result.rejected ? nlohmann::json(*result.rejected).dump() : "null");
+                      result.rejected ? messages::json_text(nlohmann::json(*result.rejected)) : "null");
   return line + (result.verified ? ",\"verified\":true}" : ",\"verified\":false}");
 }
 

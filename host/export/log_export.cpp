@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "common/authentication/packet_seal.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/wire/log_reader.hpp"
 #include "host/export/message_json.hpp"
@@ -152,7 +153,7 @@ Result<LogExportRemains> export_json(const fs::path& log, const LogExportOptions
       line["verified"] =
           packet.verified ? nlohmann::ordered_json(*packet.verified) : nlohmann::ordered_json();
       line["message"] = JsonVisitor::object_of(message);
-      take(line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+      take(messages::json_text(line));
     });
   });
 }

@@ -4,6 +4,7 @@
 
 #include "common/messages/json_conversions.hpp"
 #include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 
 namespace strobe::host {
 namespace {
@@ -66,7 +67,7 @@ std::string digitization_json(const digitize::Digitization& digitization, const 
   }
   std::string line = messages::frame_to_json(digitization.frame);
   line.back() = ',';
-  return line + more.dump(-1, ' ', false, ordered_json::error_handler_t::replace).substr(1);
+  return line + messages::json_text(more).substr(1);
 }
 
 }  // namespace strobe::host

@@ -84,7 +84,7 @@ std::string run_line(const RunRecord& run) {
                     {"command", run.command},
                     {"session_shots", run.session_shots}};
   // Words of a command line need not be text.
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return messages::json_text(object) + "\n";
 }
 
 void RunRecords::add(std::string_view line, int number) {

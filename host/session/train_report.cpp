@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "common/reduction/running_statistics.hpp"
 #include "host/assembly/flash_times.hpp"
 
@@ -138,7 +139,7 @@ std::string train_report_json(const TrainReport& report, int shot_id) {
                                     {"lamp_delay_us", to_json(report.lamp_delay_us)},
                                     {"skew_us", to_json(report.skew_us)},
                                     {"calibration", to_json(report.calibration)}};
-  return json.dump();
+  return messages::json_text(json);
 }
 
 }  // namespace strobe::host

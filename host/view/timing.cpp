@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "host/view/rejected_commands.hpp"
 #include "host/view/text.hpp"
 
@@ -140,7 +141,7 @@ std::string timing_json(const status_t& status, const ClockState& clock, int aft
         {"suspect", clock.suspect}}},
       {"rejected", rejected},
       {"unverified", ignored}};
-  return json.dump();
+  return messages::json_text(json);
 }
 
 }  // namespace strobe::host

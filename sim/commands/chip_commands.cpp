@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/messages/parsed_json.hpp"
 #include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
 #include "sim/gpiochip/chip.hpp"
@@ -136,7 +137,7 @@ int lines_command(const std::string& chip_dir, bool json) {
                                    {"level", state.level},
                                    {"requested", state.requested},
                                    {"consumer", state.consumer}};
-      fmt::print("{}\n", line.dump());
+      fmt::print("{}\n", messages::json_text(line));
     } else {
       fmt::print("{:>3}  {:<9} {:<6} {}  {}\n", i, name_of(i), direction, state.level,
                  state.requested ? state.consumer : "-");

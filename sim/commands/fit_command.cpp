@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/config/files.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
 #include "sim/fit/fit.hpp"
@@ -25,7 +26,7 @@ void print_json(const FittedScene& fitted, const thesis::Condition& condition) {
                                {"left_vx_lo_in_sd", fitted.left_vx_mps / condition.vx_lo_mps.sd},
                                {"left_omega_lo_in_sd", fitted.left_omega_radps / condition.omega_lo_radps.sd},
                                {"missed_spreads", missed}};
-  fmt::print("{}\n", line.dump());
+  fmt::print("{}\n", messages::json_text(line));
 }
 
 void print_text(const FittedScene& fitted, const thesis::Condition& condition) {

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/messages/parsed_json.hpp"
 #include "common/units/tolerance.hpp"
 #include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
@@ -152,7 +153,7 @@ void print_json(const Scene& scene, const Plan& plan, double tolerance, const Co
     line["worst"] = e.bound.all_zero() ? json(nullptr) : json(reduction::name(e.worst));
     line["bound"] = per_readout(e.bound);
     line["cost_us"] = costs.effect_us[static_cast<std::size_t>(e.effect)];
-    fmt::print("{}\n", line.dump());
+    fmt::print("{}\n", messages::json_text(line));
   }
   const json summary = {{"scene", scene.name},
                         {"tolerance", tolerance},
@@ -167,7 +168,7 @@ void print_json(const Scene& scene, const Plan& plan, double tolerance, const Co
                         {"contact_tolerance", plan.model.contact_tolerance()},
                         {"sampled", sampled_json(plan)},
                         {"no_model_has", unmodelled_json(scene, plan)}};
-  fmt::print("{}\n", summary.dump());
+  fmt::print("{}\n", messages::json_text(summary));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "common/messages/parsed_json.hpp"
 #include "sim/commands/commands.hpp"
 #include "sim/loading/scene_files.hpp"
 #include "sim/scene/spring.hpp"
@@ -15,7 +16,7 @@ namespace {
 void print_json(const SceneFile& file) {
   if (!file.scene) {
     const nlohmann::json line = {{"scene", file.name}, {"error", file.scene.error().message}};
-    fmt::print("{}\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    fmt::print("{}\n", messages::json_text(line));
     return;
   }
   const Scene& scene = *file.scene;
@@ -34,7 +35,7 @@ void print_json(const SceneFile& file) {
     line["stiffness_npm"] = spring->stiffness_npm;
     line["damping_nspm"] = spring->damping_nspm;
   }
-  fmt::print("{}\n", line.dump());
+  fmt::print("{}\n", messages::json_text(line));
 }
 
 void print_text(const SceneFile& file) {

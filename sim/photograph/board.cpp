@@ -6,6 +6,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "common/messages/parsed_json.hpp"
 #include "sim/random/draws.hpp"
 
 namespace strobe::sim {
@@ -178,7 +179,7 @@ std::string board_truth_json(const BoardCamera& camera, const Board& board, cons
     truth["points"].push_back({{"board_m", {photograph.board_m[i].x, photograph.board_m[i].y}},
                                {"image_px", {photograph.image_px[i].x, photograph.image_px[i].y}}});
   }
-  return truth.dump();
+  return messages::json_text(truth);
 }
 
 }  // namespace strobe::sim

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "common/messages/parsed_json.hpp"
 #include "sim/rig/camera.hpp"
 #include "sim/rig/truth.hpp"
 
@@ -187,7 +188,7 @@ PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, c
 std::string photograph_line(const Scene& scene, const Exposure& exposure, int shot_id,
                             const Appearance& appearance, const PhotographTruth& truth,
                             const std::string& file) {
-  json line = json::parse(truth_line(scene, exposure, shot_id));
+  json line = messages::parsed_json<json>(truth_line(scene, exposure, shot_id));
   line["file"] = file.empty() ? json(nullptr) : json(file);
   line["width_px"] = truth.width_px;
   line["height_px"] = truth.height_px;
@@ -202,7 +203,7 @@ std::string photograph_line(const Scene& scene, const Exposure& exposure, int sh
   line["images"] = json::array();
   for (const ImageTruth& image : truth.images) line["images"].push_back(image_json(image));
   line["appearance"] = appearance_json(scene, appearance);
-  return line.dump();
+  return messages::json_text(line);
 }
 
 }  // namespace strobe::sim

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "common/messages/parsed_json.hpp"
 #include "sim/rig/tablet.hpp"
 
 namespace strobe::sim {
@@ -83,7 +84,7 @@ std::string truth_line(const Scene& scene, const Exposure& exposure, int shot_id
   line["image_flash"] = image_pulses(scene, exposure);
   line["faults"] = fault_names(scene, exposure);
   line["overrun"] = exposure.overrun;
-  return line.dump();
+  return messages::json_text(line);
 }
 
 }  // namespace strobe::sim

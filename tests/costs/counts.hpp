@@ -20,7 +20,7 @@ Result<Counts> count(const std::vector<std::string>& names);
 /// The instructions that a callgrind output file sums up. Returns nullopt if there is no such line.
 std::optional<std::int64_t> total_of(const std::string& callgrind_output);
 
-/// "x86_64, GNU 12, -O3 -DNDEBUG": what counts can be compared for.
+/// "x86_64, GNU 12, -O3": what counts can be compared for.
 std::string build();
 
 /// A case costs more than this many times its record: it fails.

@@ -167,7 +167,7 @@ Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
   fit.chi_square = best->chi_square;
   fit.degrees_of_freedom = static_cast<int>(best->jacobian.rows()) - kFitParameters;
   fit.covariance = fit.chi_square / fit.degrees_of_freedom * *inverse;
-  assert(fit.covariance.llt().info() == Eigen::Success);
+  assert(Eigen::MatrixXd(fit.covariance).llt().info() == Eigen::Success);
   fit.coefficients = coefficients_of(observations.front(), best->value, options);
   fit.iterations = best->iterations;
   fit.points = std::move(*points);

@@ -62,7 +62,7 @@ void add_parameters(const ModelInputs& in, ReboundModel model, const ModelFit& f
   const Vector sd = fit.covariance.diagonal().cwiseSqrt();
   const Vector inverse = (sd.array() > 0.0).select(sd.cwiseInverse(), 0.0);
   const Square correlation = inverse.asDiagonal() * fit.covariance * inverse.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Square> axes(correlation);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(correlation);  // as elsewhere: compiled once
   assert(axes.eigenvalues().minCoeff() > -1e-6);
   const auto moved = [&](Index axis, double sign) {
     const Vector step = sd.cwiseProduct(axes.eigenvectors().col(axis)) *

@@ -139,7 +139,7 @@ std::array<std::optional<ValueSd>, kQuantities> with_sds(const ContactObservatio
     add(evaluate(moved(o, input, 1.0), fit.value, options),
         evaluate(moved(o, input, -1.0), fit.value, options));
   // Columns of the covariance's Cholesky factor.
-  const ContactMatrix factor = fit.covariance.llt().matrixL();
+  const ContactMatrix factor = Eigen::MatrixXd(fit.covariance).llt().matrixL();
   for (int i = 0; i < kFitParameters; ++i) {
     const auto at = [&](double sign) { return within_bounds(fit.value + sign * factor.col(i)); };
     add(evaluate(o, at(1.0), options), evaluate(o, at(-1.0), options));

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "common/units/angles.hpp"
 
 namespace strobe::host {
@@ -337,7 +338,7 @@ void print_contact_json(const ContactJob& job, const ContactReport& r) {
                           {"y_m", left_out_json(r.cross.y_m)},
                           {"rotation_rad", left_out_json(r.cross.rotation_rad)}};
   out["inputs"] = inputs_json(job);
-  std::printf("%s\n", out.dump(-1, ' ', false, ordered_json::error_handler_t::replace).c_str());
+  std::printf("%s\n", messages::json_text(out).c_str());
 }
 
 void print_contact_table(const ContactJob& job, const ContactReport& r) {

@@ -7,6 +7,7 @@
 
 #include "common/impact/fit/coefficient_prior.hpp"
 #include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 
 namespace strobe::host {
 
@@ -23,9 +24,7 @@ constexpr double kTwoSided95 = 1.959963984540054;  ///< sds
 
 bool shown_in_thousandths(Parameter p) { return p == Parameter::offset_m || p == Parameter::dwell_s; }
 
-void print_line(const ordered_json& object) {
-  std::printf("%s\n", object.dump(-1, ' ', false, ordered_json::error_handler_t::replace).c_str());
-}
+void print_line(const ordered_json& object) { std::printf("%s\n", messages::json_text(object).c_str()); }
 
 ordered_json edge_number(Parameter p, const std::optional<double>& value) {
   return value ? ordered_json(to_display_unit(p, *value)) : ordered_json();

@@ -11,6 +11,7 @@
 
 #include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "common/units/angles.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
@@ -148,7 +149,7 @@ int print_prediction(const PredictOptions& options, const PredictInput& in, cons
   if (options.json) {
     ordered_json out = json_of(in, prediction, options.trajectory_file.empty() ? options.samples : 0);
     if (!choice.json.is_null()) out["choice"] = choice.json;
-    std::printf("%s\n", out.dump().c_str());
+    std::printf("%s\n", messages::json_text(out).c_str());
   } else {
     print_table(in, prediction);
     for (const std::string& line : choice.lines) std::printf("%s\n", line.c_str());

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "host/commands/frontier/choice_json.hpp"
 #include "host/commands/reduce/reduce_choice.hpp"
 
@@ -26,7 +27,7 @@ std::string choice_json(const EstimatorChoice& choice, const frontier::Requireme
   out["outside_measured"] = choice.outside;
   out["replaced"] = choice.replaced ? row_json(*choice.replaced) : ordered_json(nullptr);
   out["total_expected_cost_us"] = choice.expected_cost_us;
-  return out.dump();
+  return messages::json_text(out);
 }
 
 std::vector<std::string> choice_lines(const EstimatorChoice& choice) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/messages/parsed_json.hpp"
 #include "common/reduction/monte_carlo.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
@@ -23,9 +24,7 @@ using reduction::Quantity;
 
 constexpr std::uint64_t kSeed = 1;
 
-void print_json(const ordered_json& object) {
-  print({object.dump(-1, ' ', false, ordered_json::error_handler_t::replace)});
-}
+void print_json(const ordered_json& object) { print({messages::json_text(object)}); }
 
 /// The thesis's row where all shots have one spin and angle.
 std::optional<thesis::Condition> condition_of(const std::vector<SeriesShot>& shots) {

@@ -8,6 +8,7 @@
 
 #include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/thesis/figures/figures.hpp"
@@ -90,7 +91,7 @@ void tell_figure(const report::Figure& figure, const fs::path& base, bool json) 
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   for (const char* kind : {".svg", ".png", ".gp", ".csv"}) files.push_back(base.string() + kind);
   const nlohmann::ordered_json out{{"figure", figure.number}, {"title", figure.title}, {"files", files}};
-  std::printf("%s\n", out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+  std::printf("%s\n", messages::json_text(out).c_str());
 }
 
 /// A folder that cannot be made or written is bad input; found out before anything is drawn.

@@ -1,6 +1,6 @@
 #include "host/commission/balls/free_fall.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -8,6 +8,7 @@
 
 #include "common/flight/aerodynamics.hpp"
 #include "common/geometry/line.hpp"
+#include "host/commission/core/least_squares.hpp"
 
 namespace strobe::commission {
 namespace {
@@ -61,6 +62,14 @@ Matrix2d covariance_px2(const reduction::Frame& frame, const reduction::BallImag
   return c + kMinCentreSd_px * kMinCentreSd_px * Matrix2d::Identity();
 }
 
+/// Cholesky's: u with transpose(u) u = m.
+Matrix2d upper_factor(const Matrix2d& m) {
+  const double first = std::sqrt(m(0, 0)), across = m(1, 0) / first;
+  Matrix2d u;
+  u << first, across, 0.0, std::sqrt(m(1, 1) - across * across);
+  return u;
+}
+
 void add_legs(const reduction::Frame& frame, double px_per_m, std::vector<Flown>& legs) {
   const auto axes = axes_of(frame);
   if (!axes) return;
@@ -76,7 +85,7 @@ void add_legs(const reduction::Frame& frame, double px_per_m, std::vector<Flown>
       Point point;
       point.time_s = image.time_s;
       point.place_m = turn * (Vector2d(image.centre_px.x, image.centre_px.y) - axes->origin_px);
-      point.weight = Eigen::LLT<Matrix2d>(covariance.inverse()).matrixL().transpose();
+      point.weight = upper_factor(covariance.inverse());
       sum_s += image.time_s;
       leg.points.push_back(point);
     }
@@ -198,7 +207,7 @@ class Fit {
         rows_ += 2;
       }
     }
-    step_ = information_.ldlt().solve(pull);
+    step_ = solve_normal(information_, pull);
   }
 
   /// Of the model, by differences: it is smooth, and all but linear.

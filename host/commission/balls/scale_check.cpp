@@ -1,10 +1,11 @@
 #include "host/commission/balls/scale_check.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <vector>
+
+#include "host/commission/core/least_squares.hpp"
 
 namespace strobe::commission {
 namespace {
@@ -49,7 +50,7 @@ Plane fit_plane(std::span<const Size> sizes) {
     sum += s.weight * s.log_ratio * row;
   }
   Plane plane;
-  plane.terms = information.ldlt().solve(sum);
+  plane.terms = solve_normal(information, sum);
   double chi_squared = 0.0;
   for (const Size& s : sizes) {
     const double off = s.log_ratio - plane.terms.dot(Eigen::Vector3d(1.0, s.across, s.upwards));

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "host/camera/calibration.hpp"
+#include "host/commission/core/least_squares.hpp"
 #include "host/commission/core/limits.hpp"
 
 namespace strobe::commission {
@@ -52,7 +52,7 @@ void fit_scale(std::span<const Spacing> spacings, BoardCheck& check) {
     information += row * row.transpose();
     sum -= s.log_ratio * row;
   }
-  const Eigen::Vector3d terms = information.ldlt().solve(sum);
+  const Eigen::Vector3d terms = solve_normal(information, sum);
   double squares = 0.0;
   for (const Spacing& s : spacings)
     squares += std::pow(s.log_ratio + terms.dot(Eigen::Vector3d(1.0, s.across, s.upwards)), 2.0);

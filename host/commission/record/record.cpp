@@ -102,7 +102,7 @@ std::string record_line(const RecordedStep& step) {
                     {"operator", step.operator_name},
                     {"version", step.version},
                     {"tables_hash", step.tables_hash}};
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return messages::json_text(object) + "\n";
 }
 
 Record parse_record(std::string_view text) {

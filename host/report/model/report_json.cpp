@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/messages/parsed_json.hpp"
 #include "host/report/model/hashes.hpp"
 
 namespace strobe::lab_report {
@@ -121,9 +122,7 @@ ordered_json sections_json(const Report& report) {
   return sections;
 }
 
-std::string dumped(const ordered_json& json) {
-  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-}
+std::string dumped(const ordered_json& json) { return messages::json_text(json); }
 
 }  // namespace
 

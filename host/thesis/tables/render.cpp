@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/messages/parsed_json.hpp"
 #include "host/view/text.hpp"
 
 namespace strobe::report {
@@ -222,7 +223,7 @@ std::string json(const Table& table) {
                          {"columns", std::move(columns)},
                          {"rows", std::move(rows)},
                          {"notes", table.notes}};
-  return out.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  return messages::json_text(out);
 }
 
 }  // namespace strobe::report

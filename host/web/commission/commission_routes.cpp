@@ -29,7 +29,7 @@ void add_record_route(Router& router, const std::filesystem::path& rig_path) {
 }
 
 void CommissionRun::show(const RunView& run) {
-  std::string json = run_json(run).dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  std::string json = messages::json_text(run_json(run));
   {
     const std::lock_guard lock(mutex_);
     if (json == json_) return;

@@ -133,7 +133,7 @@ Response change_shot(Editing& editing, const Request& request, const Change& cha
   if (!changed) return error_response(422, changed.error().message);
   if (changed->changed) {
     editing.archive.sessions.take_change(session, changed->shot);
-    editing.hub.publish("edited", ordered_json{{"session", session}, {"shot", name}}.dump());
+    editing.hub.publish("edited", messages::json_text(ordered_json{{"session", session}, {"shot", name}}));
   }
   const auto now = editing.archive.sessions.stored_shot(session, name);
   if (!now) return unanswered_response(now.error());

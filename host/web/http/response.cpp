@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/messages/parsed_json.hpp"
 #include "host/web/http/request.hpp"
 
 namespace strobe::web {
@@ -15,7 +16,7 @@ Response json_text_response(std::string json, int status) {
 }
 
 Response json_response(const ordered_json& json, int status) {
-  return json_text_response(json.dump(-1, ' ', false, ordered_json::error_handler_t::replace), status);
+  return json_text_response(messages::json_text(json), status);
 }
 
 Response error_response(int status, std::string_view words) {

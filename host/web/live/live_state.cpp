@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/messages/parsed_json.hpp"
 #include "host/session/results_csv.hpp"
 #include "host/session/shot_names.hpp"
 #include "host/view/timing.hpp"
@@ -19,9 +20,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-std::string line_of(const ordered_json& json) {
-  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-}
+std::string line_of(const ordered_json& json) { return messages::json_text(json); }
 
 }  // namespace
 
