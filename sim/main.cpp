@@ -274,6 +274,15 @@ int main(int argc, char** argv) {
   obey->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
   obey->add_option("command", obeyed, "Command and its arguments, after --")->required();
 
+  std::vector<std::string> joined;
+  CLI::App* join = app.add_subcommand("join", "Run a command in the time of a running rig");
+  join->footer(
+      "Time waits for it as for strobed: a host that joins loses nothing on a busy machine.\n"
+      "Example: strobe-sim join --chip-dir /tmp/chip -- strobe fire --shots 3 --rig rig.toml --session "
+      "today");
+  join->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
+  join->add_option("command", joined, "Command and its arguments, after --")->required();
+
   CLI::App* unplug = app.add_subcommand("unplug", "Unplug a running rig's chip");
   unplug->footer(
       "Every further call on it answers \"no such device\", and event lines hang up. A chip that keeps "
@@ -306,6 +315,7 @@ int main(int argc, char** argv) {
   if (app.got_subcommand("board")) return sim::board_command(boards);
   if (lines->parsed()) return sim::lines_command(chip_dir, json);
   if (drive->parsed()) return sim::drive_command(chip_dir, drives, after);
+  if (join->parsed()) return sim::join_command(chip_dir, joined);
   if (obey->parsed()) return sim::operator_command(chip_dir, obeyed);
   if (unplug->parsed()) return sim::unplug_command(chip_dir, after);
   if (fit->parsed()) return sim::fit_command(tables, folder, json);

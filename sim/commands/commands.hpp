@@ -33,6 +33,9 @@ struct RunOptions {
 /// Exit status of the command; 128 plus the signal that ended it.
 int run_command(const RunOptions& options);
 
+/// Becomes the command, in the time of the rig whose chip is in that folder.
+int join_command(const std::string& chip_dir, const std::vector<std::string>& command);
+
 /// Of simulated shots.
 struct SimulatedOptions {
   std::string scene;

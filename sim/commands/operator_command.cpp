@@ -1,10 +1,10 @@
-// strobe-sim operator: whoever stands at a simulated rig while `strobe commission` asks for key, e-stop and wires.
+// Programs beside a running rig. strobe-sim operator: whoever stands at it while `strobe commission` asks for key, e-stop
+// and wires.
 #include <fcntl.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <string_view>
@@ -15,7 +15,7 @@
 #include "sim/commands/commands.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "sim/live/child_process.hpp"
-#include "sim/live/rig_runner.hpp"
+#include "sim/live/joined_program.hpp"
 #include "sim/scene/lines.hpp"
 
 namespace strobe::sim {
@@ -23,8 +23,6 @@ namespace strobe::sim {
 namespace {
 
 constexpr int kBroken = -1;
-constexpr int kTries = 100;
-constexpr std::chrono::milliseconds kTryEvery{100};
 
 struct Response {
   std::string_view asked;  ///< in the command's words
@@ -57,16 +55,6 @@ void obey(Chip& chip, std::string_view line) {
   }
 }
 
-/// A rig that was started just before may take a moment.
-Result<Chip> attach(const std::string& chip_dir) {
-  auto chip = Chip::attach(chip_dir);
-  for (int tries = 0; !chip && tries < kTries; ++tries) {
-    std::this_thread::sleep_for(kTryEvery);
-    chip = Chip::attach(chip_dir);
-  }
-  return chip;
-}
-
 /// What the command says goes on to standard error.
 void listen(int said, Chip& chip) {
   std::array<char, 4096> bytes{};
@@ -89,14 +77,14 @@ void listen(int said, Chip& chip) {
 }  // namespace
 
 int operator_command(const std::string& chip_dir, const std::vector<std::string>& command) {
-  auto chip = attach(chip_dir);
+  auto chip = attach_to_rig(chip_dir);
   if (!chip) return report_error(chip.error().message, 2);
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return report_error(std::string("pipe: ") + std::strerror(errno), 1);
   const int own = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3);
   block_child_signals();
   dup2(ends[1], STDERR_FILENO);
-  const auto child = start_child(command, {});
+  const auto child = start_joined(command, chip->dir(), [&chip] { chip->join_time(); });
   dup2(own, STDERR_FILENO);
   close(own);
   close(ends[1]);
@@ -109,6 +97,14 @@ int operator_command(const std::string& chip_dir, const std::vector<std::string>
   listener.join();
   close(ends[0]);
   return status;
+}
+
+int join_command(const std::string& chip_dir, const std::vector<std::string>& command) {
+  const auto chip = attach_to_rig(chip_dir);
+  if (!chip) return report_error(chip.error().message, 2);
+  block_child_signals();
+  const auto child = start_joined(command, chip->dir(), [&chip] { chip->join_time(); });
+  return child ? wait_for_child(*child) : report_error(child.error().message, 2);
 }
 
 }  // namespace strobe::sim

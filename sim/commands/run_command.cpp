@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -15,8 +14,10 @@
 #include "sim/commands/commands.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "sim/live/child_process.hpp"
+#include "sim/live/joined_program.hpp"
 #include "sim/live/rig_runner.hpp"
 #include "sim/live/tablet_operator.hpp"
+#include "sim/live/temporary_folder.hpp"
 #include "sim/live/tethered_camera.hpp"
 #include "sim/loading/scene_files.hpp"
 #include "sim/rig_file/rig_file.hpp"
@@ -29,28 +30,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::milliseconds kWatchAfterDeath{100};
-
-/// A folder in memory (writing back a disk's page may stall the lines), removed with this object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code error;
-    const fs::path base =
-        access("/dev/shm", W_OK) == 0 ? fs::path("/dev/shm") : fs::temp_directory_path(error);
-    std::string name = (base / "strobe-sim-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code error;
-    if (!path_.empty()) fs::remove_all(path_, error);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 Bias bias_of(ChipSettings::Bias bias) {
   switch (bias) {
@@ -108,22 +87,6 @@ Result<void> write_changes(const std::string& path, const std::vector<Change>& c
 std::uint64_t fresh_seed() {
   std::random_device device;
   return device() % 1'000'000;  // short enough to type again
-}
-
-/// LD_PRELOAD is split at blanks and colons: a library whose path has some is reached by a link in
-/// `link_folder`.
-fs::path preloadable(const fs::path& library, std::optional<TemporaryFolder>& link_folder) {
-  if (library.string().find_first_of(" :") == std::string::npos) return library;
-  link_folder.emplace();
-  const fs::path link = link_folder->path() / library.filename();
-  std::error_code error;
-  fs::create_symlink(library, link, error);
-  return error ? library : link;
-}
-
-std::string preload_with(const fs::path& library) {
-  const char* before = std::getenv("LD_PRELOAD");
-  return before && *before ? library.string() + ":" + before : library.string();
 }
 
 /// The rig around a chip, from its start to the last line of its files.
@@ -239,13 +202,8 @@ int run_command(const RunOptions& options) {
   }
   Model model = Model::full();
   if (const int status = choose_model(options, *scene, model); status != 0) return status;
-  const auto library = preload_path();
-  if (!library) return report_error(library.error().message, 1);
-
   const std::uint64_t seed = options.seed.value_or(fresh_seed());
   block_child_signals();
-  std::optional<TemporaryFolder> link_folder;
-  const fs::path preloaded = preloadable(*library, link_folder);
   std::optional<TemporaryFolder> temporary;
   if (options.chip_dir.empty()) temporary.emplace();
   const fs::path folder = temporary ? temporary->path() : fs::absolute(options.chip_dir);
@@ -255,9 +213,7 @@ int run_command(const RunOptions& options) {
   fmt::print(stderr, "strobe-sim: scene {}, seed {} (repeat with --seed {}), chip /dev/{} in {}\n",
              scene->name, seed, seed, scene->chip.name, folder.string());
 
-  const auto child = start_child(
-      options.command, {{"LD_PRELOAD", preload_with(preloaded)}, {kChipDirVariable, folder.string()}},
-      [&session] { (*session)->take_along(); });
+  const auto child = start_joined(options.command, folder, [&session] { (*session)->take_along(); });
   if (!child) return report_error(child.error().message, 2);
   const int status = wait_for_child(*child);
   if (const auto closed = (*session)->close(); !closed) return report_error(closed.error().message, 1);

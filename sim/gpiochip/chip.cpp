@@ -23,7 +23,7 @@ namespace {
 // How often a waiting rig looks for owners that died; a release is stamped when it is found.
 constexpr std::int64_t kSweep_ns = 1'000'000;
 // In rig time each look stops the program under test.
-constexpr std::int64_t kKeptSweep_ns = 5'000'000;
+constexpr std::int64_t kKeptSweep_ns = 20'000'000;
 
 static_assert(static_cast<int>(Cause::set) == static_cast<int>(gpio::CauseCode::set));
 static_assert(static_cast<int>(Cause::request) == static_cast<int>(gpio::CauseCode::request));

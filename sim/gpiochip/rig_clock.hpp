@@ -4,6 +4,8 @@
 
 #include <poll.h>
 
+#include <cstdint>
+
 #include "common/units/time.hpp"
 
 namespace strobe::sim {
@@ -18,9 +20,12 @@ class RigClock {
   explicit RigClock(gpio::State& state) : state_(&state) {}
 
   MonoTime now() const;
+  Duration since_boot() const;  ///< CLOCK_BOOTTIME
   void sleep_for(Duration duration) const;
   /// As poll(2).
   int poll(struct pollfd* polled, nfds_t count, Duration timeout) const;
+  /// Of what programs draw in a run that is to repeat; 0: they draw as they like.
+  std::uint64_t seed() const;
 
  private:
   gpio::State* state_ = nullptr;

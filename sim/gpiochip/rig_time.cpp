@@ -27,6 +27,10 @@ constexpr std::int64_t kImpatientWait = 20'000;
 constexpr std::int64_t kKeeperLooksAfter = 1'000'000'000;  // a wait is looked after each second
 constexpr int kKeeperIsGone = 20;                          // seconds without a beat
 
+/// The rig whose time this process lives in. Others that look at its clock are no part of it.
+std::atomic<const State*> joined{nullptr};
+bool takes_part(const State& state) { return joined.load(std::memory_order_relaxed) == &state; }
+
 /// The thread's own part.
 struct Thread {
   TimedWait* wait = nullptr;
@@ -242,7 +246,7 @@ int poll_at_once(State& state, struct pollfd* polled, nfds_t count) {
 std::int64_t now_ns(State& state) {
   if (!is_kept(state)) return sys::now_ns() + state.time.ahead_ns.load();
   if (self.is_loop) return step(state, kLook);
-  if (++self.looks <= kLooksOfOneWhoWaits) return state.time.now_ns.load();
+  if (!takes_part(state) || ++self.looks <= kLooksOfOneWhoWaits) return state.time.now_ns.load();
   if (self.real_time) return step(state, kLook);
   hold(state, state.time.now_ns.load() + kImpatientWait);
   return state.time.now_ns.load();
@@ -259,6 +263,7 @@ std::int64_t boottime_ns(State& state) {
 }
 
 void join_time(State& state, std::int32_t pid) {
+  if (pid == ::getpid()) joined.store(&state);
   for (std::atomic<std::int32_t>& program : state.time.programs)
     if (program.load() == pid) return;
   for (std::atomic<std::int32_t>& program : state.time.programs) {

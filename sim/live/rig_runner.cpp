@@ -66,7 +66,7 @@ void RigRunner::give_drives(MonoTime now) {
 }
 
 void RigRunner::run(const std::atomic<bool>& stopping) {
-  if (!chip_.keeps_time()) become_prompt();
+  become_prompt();
   while (!stopping) {
     take_changes(std::min(rig_.next_due(), chip_.now() + kLongestWait));
     give_drives(chip_.now());

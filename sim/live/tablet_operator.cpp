@@ -14,16 +14,19 @@ namespace strobe::sim {
 
 namespace {
 
-constexpr Duration kPoll = milliseconds(10);
+constexpr Duration kPoll = milliseconds(20);
 constexpr int kMaxDatagrams = 1000;  // between two looks at the tasks
 // the shot's start and the shutter line's edge may coincide
 constexpr Duration kStartSlack = milliseconds(1);
 constexpr Duration kExposureMissing = milliseconds(5000);  // longer than any exposure
 constexpr std::size_t kRememberedFrames = 256;
 
-std::int64_t random_id() {
+/// A new one for each run.
+std::int64_t packets_id(const RigClock& clock) {
   std::random_device random;
-  return std::uniform_int_distribution<std::int64_t>(1)(random);
+  std::mt19937_64 repeatable(clock.seed());
+  std::uniform_int_distribution<std::int64_t> any(1);
+  return clock.seed() != 0 ? any(repeatable) : any(random);
 }
 
 }  // namespace
@@ -46,7 +49,7 @@ TabletOperator::TabletOperator(const Scene& scene, std::uint64_t seed, ExposureS
       clock_(clock),
       rig_name_(std::move(rig_name)),
       seal_(key),
-      packet_{random_id(), 0} {}
+      packet_{packets_id(clock), 0} {}
 
 TabletOperator::~TabletOperator() { stop(); }
 

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Duration kLook = milliseconds(5);
+constexpr Duration kLook = milliseconds(20);
 constexpr int kLowest = 19;
 
 /// When the file appears at the earliest.
