@@ -161,7 +161,7 @@ hil::RigFixtureOptions options_of(const Trial& trial) {
 class Attempt {
  public:
   explicit Attempt(const Trial& trial)
-      : trial_(trial), rig_(options_of(trial)), host_(rig_.lcm_url(), "bench") {
+      : trial_(trial), rig_(options_of(trial)), host_(rig_) {
     if (!rig_.ready()) throw std::runtime_error("strobed did not come up:\n" + rig_.log());
     if (!host_.wait_status()) throw std::runtime_error("strobed is silent:\n" + rig_.log());
     worker_ = rig_.worker();

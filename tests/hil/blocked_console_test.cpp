@@ -27,7 +27,7 @@ TEST(BlockedConsole, KeepsNeitherACommandNorAStatusNorTheEnd) {
   options.shell = kBlocked;
   options.strobed_options = {"--verbose"};  // a line for each event
   RigFixture bench(options);
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   for (int round = 0; round < 3; ++round) {
     host.send_bytes(std::vector<std::uint8_t>(100, 1));  // told of on standard error, too

@@ -233,7 +233,7 @@ Lateness try_together(std::span<const Way> tried) {
   std::vector<Trial> trials;
   for (const Way& way : tried) {
     auto bench = std::make_unique<RigFixture>(options_of(way));
-    auto host = std::make_unique<RawHost>(bench->lcm_url(), "bench");
+    auto host = std::make_unique<RawHost>(*bench);
     trials.push_back({&way, std::move(bench), std::move(host)});
   }
   for (Trial& trial : trials) {
@@ -320,7 +320,7 @@ TEST(Death, OfAPublisherThatHangsIsOrderlyAndTheServiceManagerHearsOfIt) {
   RigFixture bench(options);
   expect_ready(bench);
   CHECK(strobe::testing::wait_until([&] { return manager.count("READY=1") == 1; }, kLongestWait));
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   do_in_mid_train(bench, host, {"publisher hangs", Chip::keeps, hangs, ""});
   const LineChanges changes = bench.changes();
   CHECK(changes.outputs_safe_from(0) != INT64_MAX);
@@ -338,7 +338,7 @@ TEST(Death, DoesNotBefallAWorkerThatStandsStillWhileNoShotIsUnderWay) {
   options.sim_options = kRealTime;  // rig time waits for a loop that stands still
   RigFixture bench(options);
   expect_ready(bench);
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   const auto hears = [&manager](const char* words) {
     return strobe::testing::wait_until([&] { return manager.count(words) > 0; }, kLongestWait);
@@ -364,7 +364,7 @@ TEST(Death, OfNobodyIsTheEndOfStandardErrorOrOfTheNetwork) {
   RigFixtureOptions options;
   options.shell = "\"$@\" 2>&1 | head -n 1 >&2";
   RigFixture bench(options);
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   LineWatcher watch(bench.chip_dir());
   const auto shot_of = [&host](std::int64_t token) { return host.fire_command(token, false); };

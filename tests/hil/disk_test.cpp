@@ -72,7 +72,7 @@ TEST(Disk, FullOrTakenAwayItRefusesShotsWithTheReasonAndARunningOneEndsSafely) {
     if (bench.sim().wait(0ms) == ExitStatus({77, 0})) return;
     FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   }
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   CHECK_FALSE(host.status().journal_ok);
   STRCMP_CONTAINS("no room for another shot: No space left on device", host.status().message.c_str());

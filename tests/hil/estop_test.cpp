@@ -125,7 +125,7 @@ Session press_in_all_situations() {
   options.rig_edits = {{"lag_ms = 310", "lag_ms = 70"}};  // shots that begin soon; nobody looks at the ball
   RigFixture bench(options);
   expect_ready(bench);
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   strobe::benchmarks::timing::FreezeDetector detector(kDetectorPriority);
   const std::int64_t begin_ns = monotonic_now_ns();

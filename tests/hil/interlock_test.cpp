@@ -108,7 +108,7 @@ TEST(Interlock, FiresNoShotWithoutItsTokenNorTwice) {
   options.rig_edits = {{"expires_s = 30", "expires_s = 1"}};
   RigFixture bench(options);
   expect_ready(bench);
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   // Nothing of all this may fire.
   host.send(host.fire_command(12345, false));
@@ -145,7 +145,7 @@ TEST(Interlock, FiresNoShotWithoutItsTokenNorTwice) {
 TEST(Interlock, FiresNothingThatWasLongerThanASecondOnItsWay) {
   RigFixture bench;
   expect_ready(bench);
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   const std::int64_t token = host.arm();
   CHECK(token != 0);
@@ -165,7 +165,7 @@ TEST(Interlock, FiresNothingThatWasLongerThanASecondOnItsWay) {
 TEST(Interlock, StopsAShotByKeyEStopAndDisarm) {
   RigFixture bench;
   expect_ready(bench);
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   std::vector<Span> stopped;
   for (const std::string line : {"KEY", "ESTOP"}) {
@@ -184,7 +184,7 @@ TEST(Interlock, StopsAShotByKeyEStopAndDisarm) {
 TEST(Interlock, StopsAShotWhenAWireBreaks) {
   RigFixture bench(lines_that_pull_up());
   expect_ready(bench);
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   std::vector<Span> stopped;
   for (const auto& [line, words] : kWires) {
@@ -201,7 +201,7 @@ TEST(Interlock, StopsAShotWhenAWireBreaks) {
 TEST(Interlock, EndsAnArmingWhenAWireBreaks) {
   RigFixture bench(lines_that_pull_up());
   expect_ready(bench);
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   for (const auto& [line, words] : kWires) {
     const std::int64_t token = host.arm();

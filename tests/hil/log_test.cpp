@@ -137,7 +137,7 @@ TEST(Log, WithCommandsInItNeverFiresARigAgain) {
   CHECK(read_log(log).commands >= 2);
 
   // The same daemon, armed again by another host: its boot id is right, its tokens are spent.
-  RawHost host(first.lcm_url(), "bench");
+  RawHost host(first);
   CHECK(host.wait_status());
   CHECK(host.arm() != 0);
   const std::int64_t before = strobe::testing::monotonic_now_ns();
@@ -149,7 +149,7 @@ TEST(Log, WithCommandsInItNeverFiresARigAgain) {
   // Another daemon, another boot, armed as well.
   RigFixture second(short_shots());
   expect_ready(second);
-  RawHost other(second.lcm_url(), "bench");
+  RawHost other(second);
   CHECK(other.wait_status());
   CHECK(other.arm() != 0);
   strobe::testing::run_process(player(second.lcm_url(), log), kLongestWait);

@@ -67,7 +67,7 @@ TEST(Network, CommandsAreHeardAfterTheInterfaceWasMadeAnew) {
   options.sim_options = {"--no-digitizer"};  // nobody else in this machine joins the group again
   RigFixture bench(options);
   expect_ready(bench);
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   make_anew();
   CHECK_TEXT(obeyed(bench, host, command_t::ARM, event_t::ARMED), bench.log().c_str());
@@ -120,7 +120,7 @@ TEST(Network, TheServiceManagerIsToldWhenAHostWasLastHeard) {
   };
   CHECK(hears("STATUS=ready, no host heard yet"));
   CHECK_EQUAL(0, manager.count("STATUS=ready, a host heard"));
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   CHECK(host.arm() != 0);
   CHECK(hears("STATUS=ready, a host heard"));

@@ -111,7 +111,7 @@ int run(const Plan& plan) {
   const double ready_s = static_cast<double>(testing::monotonic_now_ns() - begin) / 1e9;
   std::vector<std::unique_ptr<RawHost>> hosts;
   for (int k = 0; k < plan.hosts; ++k) {
-    hosts.push_back(std::make_unique<RawHost>(bench.lcm_url(), "bench"));
+    hosts.push_back(std::make_unique<RawHost>(bench));
     if (!hosts.back()->wait_status()) return kFailed;
   }
   lcm::LCM lcm(bench.lcm_url());

@@ -1,13 +1,11 @@
 #include "tests/hil/raw_host.hpp"
 
-#include <ctime>
 #include <random>
 #include <stdexcept>
 
 #include "common/authentication/key_file.hpp"
 #include "common/authentication/seal.hpp"
 #include "common/messages/channels.hpp"
-#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/process.hpp"
 
 namespace strobe::hil {
@@ -23,22 +21,20 @@ std::int64_t random_id() {
   return std::uniform_int_distribution<std::int64_t>(1)(random);
 }
 
-/// Strobed's too: it runs on this machine.
-std::int64_t boot_time_ns() {
-  timespec t{};
-  clock_gettime(CLOCK_BOOTTIME, &t);
-  return t.tv_sec * 1'000'000'000 + t.tv_nsec;
-}
-
 bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 }  // namespace
 
-RawHost::RawHost(const std::string& lcm_url, const std::string& rig)
-    : lcm_(lcm_url), rig_(rig), key_(authentication::find_key({}).value().key), host_id_(random_id()) {
-  if (!lcm_.good()) throw std::runtime_error("no LCM at " + lcm_url);
+RawHost::RawHost(const RigFixture& bench)
+    : bench_(bench),
+      lcm_(bench.lcm_url()),
+      rig_("bench"),
+      key_(authentication::find_key({}).value().key),
+      host_id_(random_id()) {
+  if (!lcm_.good()) throw std::runtime_error("no LCM at " + bench.lcm_url());
+  const std::string& rig = rig_;
   const auto all = [](lcm::Subscription* subscription) {
     subscription->setQueueCapacity(messages::kSubscriptionQueueCapacity);
   };
@@ -76,6 +72,12 @@ void RawHost::listen(std::chrono::milliseconds time) {
 
 bool RawHost::wait_status() {
   return wait([this] { return status_seen_; }, kLongestWait);
+}
+
+std::int64_t RawHost::boot_time_ns() {
+  if (!chip_)
+    if (auto chip = sim::Chip::attach(bench_.chip_dir())) chip_.emplace(std::move(*chip));
+  return (chip_ ? chip_->clock() : sim::RigClock()).since_boot().count();
 }
 
 strobe_msgs::command_t RawHost::command(std::int8_t kind) {
@@ -136,7 +138,8 @@ std::int64_t RawHost::arm(std::chrono::milliseconds limit) {
 std::int64_t RawHost::fire_until_flash(LineWatcher& watch, const ShotOfToken& shot, int shots) {
   for (int fired = 0; fired < shots; ++fired) {
     const std::int64_t token = arm();
-    if (token == 0) throw std::runtime_error("no token: " + status_.message);
+    if (token == 0)
+      throw std::runtime_error("no token: " + (events_.empty() ? status_.message : events_.back().detail));
     send(shot(token));
     if (const std::int64_t flash_ns = watch.wait_for("STROBE_A", 1, 3s); flash_ns != 0) return flash_ns;
     // The shot that came late ends; one that was refused would be so again.

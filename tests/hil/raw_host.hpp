@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <strobe_msgs/command_t.hpp>
@@ -17,13 +18,16 @@
 #include <vector>
 
 #include "common/authentication/key.hpp"
+#include "sim/gpiochip/chip.hpp"
 #include "tests/hil/line_watcher.hpp"
+#include "tests/hil/rig_fixture.hpp"
 
 namespace strobe::hil {
 
 class RawHost {
  public:
-  RawHost(const std::string& lcm_url, const std::string& rig);
+  /// `bench` must outlive it.
+  explicit RawHost(const RigFixture& bench);
 
   /// Takes messages in until the condition holds or the limit passed; tells whether it holds.
   bool wait(const std::function<bool()>& condition, std::chrono::milliseconds limit);
@@ -60,6 +64,11 @@ class RawHost {
   void take_event(const lcm::ReceiveBuffer*, const std::string&, const strobe_msgs::event_t* event);
   void take_shot(const lcm::ReceiveBuffer*, const std::string&, const strobe_msgs::shot_t* shot);
 
+  /// Of strobed's clock, by which commands are stamped.
+  std::int64_t boot_time_ns();
+
+  const RigFixture& bench_;
+  std::optional<sim::Chip> chip_;
   lcm::LCM lcm_;
   std::string rig_;
   authentication::Key key_;  ///< where strobe looks for it

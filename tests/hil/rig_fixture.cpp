@@ -151,6 +151,7 @@ Command RigFixture::strobe(std::vector<std::string> words) const {
   words.insert(words.end(), {"--rig", rig_file()});
   if (speaks) words.insert(words.end(), {"--lcm-url", lcm_url_});
   command.arguments = std::move(words);
+  if (speaks) command.environment = environment_of_chip(chip_dir());  // it lives in the rig's time
   return command;
 }
 

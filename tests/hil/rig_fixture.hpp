@@ -38,9 +38,9 @@ struct RigFixtureOptions {
 /// frozen machine can make late. For RigFixtureOptions::rig_edits.
 inline const std::vector<std::pair<std::string, std::string>> kShortExposure{
     {"shutter_open_ms = 500", "shutter_open_ms = 160"}, {"impact_at_ms = 250", "impact_at_ms = 80"}};
-/// Shots that may be fired again where any but the last are to count. Such a machine makes one in five late;
-/// where others compile beside it, one in two has been seen: a dozen in a row is then one in 4000.
-inline constexpr int kRetries = 12;
+/// In the machine's own time, shots that may be fired again where any but the last are to count. Such a machine makes one
+/// in five late; where others compile beside it, one in two has been seen: a dozen in a row is then one in 4000.
+inline constexpr int kRetriesInRealTime = 12;
 
 /// A loop that was to turn within 50 ms is looked at closely after 100 ms and known to hang when its core was
 /// seen to run for another 60; twice that and some, since looks are lost on a busy machine. Without real-time

@@ -135,7 +135,7 @@ TEST(Session, TheWorkstationHearsThatOutputsMayBeActive) {
   expect_ready(bench);
   auto live = bench.start(bench.strobe({"live", "--plain"}));
   CHECK_TEXT(live.wait_for_err("listening", kLongestWait), live.err().c_str());
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   LineWatcher watch(bench.chip_dir());
   CHECK(host.fire_until_flash(watch,

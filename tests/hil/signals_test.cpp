@@ -66,10 +66,17 @@ bool stands_still(pid_t pid) {
   return state == "T";
 }
 
+/// Rig time has a signal of its own for its waits.
+RigFixtureOptions in_the_machines_time() {
+  RigFixtureOptions options;
+  options.sim_options = {"--time", "real"};
+  return options;
+}
+
 }  // namespace
 
 TEST_GROUP(Signals) {
-  RigFixture bench;
+  RigFixture bench{in_the_machines_time()};
   void setup() override { expect_ready(bench); }
 };
 
@@ -86,7 +93,7 @@ TEST(Signals, OfATerminalReachTheGuardianOnly) {
 }
 
 TEST(Signals, OfJobControlStopNeitherProcessNorShot) {
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   LineWatcher watch(bench.chip_dir());
   const auto shot = [&host](std::int64_t token) { return host.fire_command(token, true); };

@@ -33,7 +33,7 @@ TEST(Sleep, IsInhibitedWhileArmedAndNotBeyondTheEndOfAKilledStrobed) {
   options.environment = with_inhibit("cd \"${0%/*}\"; echo >begun; cat; echo >ended");
   RigFixture bench(options);
   expect_ready(bench);
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   CHECK(!noted("begun"));
   CHECK(host.arm() != 0);
@@ -48,7 +48,7 @@ TEST(Sleep, ThatCannotBeInhibitedIsToldAndNothingElse) {
   options.environment = with_inhibit("exit 1");
   RigFixture bench(options);
   expect_ready(bench);
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait_status());
   CHECK(host.arm() != 0);
   CHECK(wait_until(

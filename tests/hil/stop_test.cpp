@@ -61,7 +61,7 @@ TEST(Stop, NothingBeginsWithTheEStopPressedNorWhenItIsReleasedThen) {
   expect_ready(bench);
   LineWatcher watch(bench.chip_dir());
   watch.drive("ESTOP", 0);
-  RawHost host(bench.lcm_url(), "bench");
+  RawHost host(bench);
   CHECK(host.wait([&] { return host.status().estop_active; }, kLongestWait));
   auto fire = bench.start(bench.fire(1, 0, {"--wait", "60"}));
   CHECK_EQUAL(ExitStatus({1, 0}), fire.wait(kLongestWait));
@@ -76,7 +76,7 @@ TEST(Stop, ADisarmOfAHostThatDoesNotFireEndsAnothersSeries) {
   LineWatcher watch(bench.chip_dir());
   auto fire = bench.start(bench.fire(9, 0));
   CHECK_TEXT(watch.wait_for("TRIGGER", 1, fire) != 0, fire.err().c_str());
-  RawHost other(bench.lcm_url(), "bench");
+  RawHost other(bench);
   CHECK(other.wait_status());
   other.send(other.command(strobe_msgs::command_t::DISARM));
   CHECK(other.wait([&] { return other.status().state == strobe_msgs::status_t::STOPPED; }, kLongestWait));

@@ -153,7 +153,7 @@ TEST(SystemCalls, OfAShotAnEmergencyStopAndAllWaysOutAreInTheUnitsList) {
   LineWatcher watch(bench.chip_dir());
   const pid_t first = bench.guardian();
   {
-    RawHost host(bench.lcm_url(), "bench");
+    RawHost host(bench);
     fire(bench, host, watch);
     watch.drive("ESTOP", 0);
     host.wait([&host] { return !host.shots().empty(); }, 5s);
@@ -163,7 +163,7 @@ TEST(SystemCalls, OfAShotAnEmergencyStopAndAllWaysOutAreInTheUnitsList) {
   CHECK(strobe::testing::wait_until([&] { return bench.guardian() != first && bench.worker() != 0; },
                                     kLongestWait));
   {
-    RawHost host(bench.lcm_url(), "bench");
+    RawHost host(bench);
     fire(bench, host, watch);
     // The publisher may come to its drill when the train is over: the next one fails then.
     bool ended = bench.sim().wait(5s).has_value();

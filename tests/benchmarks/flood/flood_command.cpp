@@ -160,7 +160,7 @@ Run measure(const Options& options, const Layout& layout) {
                            {"\npriority = 80", "\npriority = " + std::to_string(options.priority)}};
   hil::RigFixture bench(rig_options);
   if (!bench.ready()) throw std::runtime_error("strobed does not start:\n" + bench.log());
-  hil::RawHost host(bench.lcm_url(), "bench");
+  hil::RawHost host(bench);
   if (!host.wait_status()) throw std::runtime_error("strobed is not heard");
   Run run;
   FreezeDetector detector(options.priority - 10, FreezeDetector::Method::interrupts);
