@@ -196,7 +196,7 @@ void Chip::keep_time(gpio::Pace pace, const std::optional<gpio::TimeKeeper::Repe
 
 void Chip::join_time() const { gpio::join_time(impl_->state(), ::getpid()); }
 
-bool Chip::keeps_time() const { return impl_->keeper != nullptr; }
+void Chip::begin_time() const { impl_->state().time.begun.store(1); }
 
 ChangeCursor Chip::cursor_now() const { return {gpio::newest(impl_->state())}; }
 

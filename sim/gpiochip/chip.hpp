@@ -118,7 +118,8 @@ class Chip {
   /// thread that is to take part.
   void keep_time(gpio::Pace pace,
                  const std::optional<gpio::TimeKeeper::Repeatable>& repeatable = std::nullopt);
-  bool keeps_time() const;
+  /// Though no other program has joined yet.
+  void begin_time() const;
   /// The calling process takes part in rig time, whatever program it becomes.
   void join_time() const;
 

@@ -264,6 +264,7 @@ std::int64_t boottime_ns(State& state) {
 
 void join_time(State& state, std::int32_t pid) {
   if (pid == ::getpid()) joined.store(&state);
+  state.time.begun.store(1);
   for (std::atomic<std::int32_t>& program : state.time.programs)
     if (program.load() == pid) return;
   for (std::atomic<std::int32_t>& program : state.time.programs) {

@@ -181,6 +181,7 @@ struct alignas(64) RigTime {
   std::atomic<Pace> pace;
   std::atomic<std::uint32_t> beats;            ///< of the keeper: grows as long as there is one
   std::uint64_t seed;                          ///< of what programs draw; 0: nothing is fixed
+  std::atomic<std::uint32_t> begun;            ///< time stands still before
   std::atomic<std::uint64_t> streams;          ///< programs that have drawn
   std::atomic<std::int64_t> now_ns;            ///< once kept
   std::atomic<std::int64_t> ahead_ns;          ///< of the machine's, of clocks that are kept no longer

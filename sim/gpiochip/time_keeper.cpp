@@ -35,8 +35,7 @@ class Keeping {
   void turn() {
     time_.beats.fetch_add(1);
     if (!all_asleep()) return look_again_later();
-    begun_ = begun_ || programs_.size() > 1;
-    if (!begun_) return rest(kLastLook);
+    if (time_.begun.load() == 0) return rest(kLastLook);
     pause_ns_ = kFirstLook;
     TimedWait* const next = earliest();
     if (next == nullptr) return rest(kLastLook);
@@ -172,7 +171,6 @@ class Keeping {
   RigTime& time_;
   ThreadStates threads_;
   std::vector<pid_t> programs_;
-  bool begun_ = false;  ///< time waits for the first other program
   std::int64_t list_again_ns_ = 0;
   std::int64_t pause_ns_ = kFirstLook;
   std::uint64_t looks_ = 0;  ///< of the loop
@@ -201,6 +199,7 @@ TimeKeeper::TimeKeeper(State& state, Pace pace, const std::optional<Repeatable>&
   set_clocks(state, repeatable);
   prepare_waits();
   join_time(state, ::getpid());
+  state.time.begun.store(0);
   state.time.pace.store(pace);
   thread_ = std::thread([this] { run(); });
 }

@@ -18,7 +18,7 @@ class TimeKeeper {
     std::int64_t start_s = 0;  ///< of CLOCK_MONOTONIC; CLOCK_REALTIME starts as many seconds after 2000-01-01
     std::uint64_t seed = 1;    ///< of what the programs draw (preload/random.cpp)
   };
-  /// From now on time is kept, at first the machine's. `state` must outlive the keeper. The calling process takes part.
+  /// From now on time is kept, at first the machine's; it stands still until another program joins (join_time). `state` must outlive the keeper. The calling process takes part.
   TimeKeeper(State& state, Pace pace, const std::optional<Repeatable>& repeatable = std::nullopt);
   /// The programs' clocks go on at the machine's pace, from where they are.
   ~TimeKeeper();

@@ -41,6 +41,7 @@ void RigRunner::start() {
 void RigRunner::stop() {
   if (!thread_.joinable()) return;
   stopping_ = true;
+  chip_.begin_time();  // its wait must end where no program was ever started
   thread_.join();
 }
 
