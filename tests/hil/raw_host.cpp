@@ -141,10 +141,15 @@ std::int64_t RawHost::fire_until_flash(LineWatcher& watch, const ShotOfToken& sh
     if (token == 0)
       throw std::runtime_error("no token: " + (events_.empty() ? status_.message : events_.back().detail));
     send(shot(token));
-    if (const std::int64_t flash_ns = watch.wait_for("STROBE_A", 1, 3s); flash_ns != 0) return flash_ns;
-    // The shot that came late ends; one that was refused would be so again.
-    if (!wait([this] { return status_.state == strobe_msgs::status_t::SPENT; }, 10s))
+    // A shot that comes late ends without a flash; one that is refused never begins.
+    std::int64_t flash_ns = 0;
+    const auto flashed_or_over = [&] {
+      flash_ns = watch.wait_for("STROBE_A", 1, 10ms);
+      return flash_ns != 0 || status_.state == strobe_msgs::status_t::SPENT;
+    };
+    if (!wait(flashed_or_over, kLongestWait))
       throw std::runtime_error("no shot: " + (events_.empty() ? "" : events_.back().detail));
+    if (flash_ns != 0) return flash_ns;
   }
   return 0;
 }
