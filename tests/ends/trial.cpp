@@ -160,8 +160,7 @@ hil::RigFixtureOptions options_of(const Trial& trial) {
 
 class Attempt {
  public:
-  explicit Attempt(const Trial& trial)
-      : trial_(trial), rig_(options_of(trial)), host_(rig_) {
+  explicit Attempt(const Trial& trial) : trial_(trial), rig_(options_of(trial)), host_(rig_) {
     if (!rig_.ready()) throw std::runtime_error("strobed did not come up:\n" + rig_.log());
     if (!host_.wait_status()) throw std::runtime_error("strobed is silent:\n" + rig_.log());
     worker_ = rig_.worker();
@@ -238,18 +237,18 @@ class Attempt {
       return std::none_of(hil::kOutputs.begin(), hil::kOutputs.end(),
                           [&watch](const std::string& line) { return watch.state(line).level != 0; });
     };
-    const std::int64_t begin = monotonic_now_ns();
+    const std::int64_t begin = watch.now_ns();
     // No output may come again for longer than a shot has from one to the next.
     std::int64_t quiet_since = begin;
     testing::wait_until(
         [&] {
-          if (!inactive()) quiet_since = monotonic_now_ns();
-          const std::int64_t now = monotonic_now_ns();
+          if (!inactive()) quiet_since = watch.now_ns();
+          const std::int64_t now = watch.now_ns();
           const bool over = inactive() || now - begin > kExposure + kBySafe + kSlack;
           return (gone() && over) || now - quiet_since > (fires ? 400 : 100) * kMs;
         },
         kSettle);
-    settled_ = monotonic_now_ns();
+    settled_ = watch.now_ns();
   }
 
   /// Whatever the fault has left of them: neither may outlive the trial.

@@ -32,6 +32,7 @@ class LineWatcher {
   void open_wire(const std::string& line);
 
   /// As if somebody pulled the chip's cable.
+  std::int64_t now_ns() const { return to_ns(chip_.now()); }  ///< by the clock that changes are stamped by
   void unplug();
 
   sim::LineState state(const std::string& line) const;
