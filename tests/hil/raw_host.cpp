@@ -110,11 +110,15 @@ void RawHost::send_bytes(std::span<const std::uint8_t> bytes) {
 }
 
 bool RawHost::reset() {
-  send(command(strobe_msgs::command_t::RESET));
   const auto ready = [this] {
     return status_.state != strobe_msgs::status_t::STOPPED && status_.message.empty();
   };
-  return wait(ready, kLongestWait);
+  // Asked anew where the stop, or a switch's return, had not been seen yet.
+  const auto asked_until_ready = [&] {
+    send(command(strobe_msgs::command_t::RESET));
+    return wait(ready, 500ms);
+  };
+  return wait(asked_until_ready, kLongestWait);
 }
 
 std::int64_t RawHost::arm(std::chrono::milliseconds limit) {
