@@ -1,12 +1,12 @@
 // What a program draws of the system, where a run is to repeat to the byte (TimeKeeper::Repeatable): the same numbers each
 // time, others in each program.
-#include <dlfcn.h>
 #include <sys/random.h>
 
 #include <atomic>
 #include <cstring>
 
 #include "sim/gpiochip/preload/device.hpp"
+#include "sim/gpiochip/preload/next.hpp"
 
 #define STROBE_EXPORT extern "C" __attribute__((visibility("default")))
 
@@ -38,11 +38,6 @@ void fill(gpio::RigTime& time, void* data, size_t size) {
   }
 }
 
-template <typename Function>
-Function* next(const char* name) {
-  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
-}
-
 }  // namespace
 
 STROBE_EXPORT ssize_t getrandom(void* data, size_t size, unsigned flags) {
@@ -50,7 +45,7 @@ STROBE_EXPORT ssize_t getrandom(void* data, size_t size, unsigned flags) {
     fill(*time, data, size);
     return static_cast<ssize_t>(size);
   }
-  static auto* const native = next<ssize_t(void*, size_t, unsigned)>("getrandom");
+  static auto* const native = gpio::next<ssize_t(void*, size_t, unsigned)>("getrandom");
   return native(data, size, flags);
 }
 
@@ -59,7 +54,7 @@ STROBE_EXPORT int getentropy(void* data, size_t size) {
     fill(*time, data, size);
     return 0;
   }
-  static auto* const native = next<int(void*, size_t)>("getentropy");
+  static auto* const native = gpio::next<int(void*, size_t)>("getentropy");
   return native(data, size);
 }
 
@@ -67,6 +62,6 @@ STROBE_EXPORT int getentropy(void* data, size_t size) {
 STROBE_EXPORT unsigned random_device_value(void* device) __asm__("_ZNSt13random_device9_M_getvalEv");
 STROBE_EXPORT unsigned random_device_value(void* device) {
   if (gpio::RigTime* time = fixed()) return static_cast<unsigned>(draw(*time));
-  static auto* const native = next<unsigned(void*)>("_ZNSt13random_device9_M_getvalEv");
+  static auto* const native = gpio::next<unsigned(void*)>("_ZNSt13random_device9_M_getvalEv");
   return native(device);
 }

@@ -1,6 +1,5 @@
 // The libc functions through which a program knows the time and waits for it: rig time where one is kept
 // (rig_time.hpp). The thread that asked for a real-time policy and waits with ppoll(2) is the loop.
-#include <dlfcn.h>
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
@@ -11,6 +10,7 @@
 #include <unistd.h>
 
 #include "sim/gpiochip/preload/device.hpp"
+#include "sim/gpiochip/preload/next.hpp"
 #include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
 
@@ -39,11 +39,6 @@ struct timespec timespec_of(std::int64_t ns) {
   return {static_cast<time_t>(ns / kSecond), static_cast<long>(ns % kSecond)};
 }
 std::int64_t ns_of(const struct timespec& time) { return time.tv_sec * kSecond + time.tv_nsec; }
-
-template <typename Function>
-Function* next(const char* name) {
-  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
-}
 
 /// False: a clock of the thread or the process, which is the machine's.
 bool read_clock(gpio::State& state, clockid_t clock, std::int64_t& ns) {
@@ -94,7 +89,7 @@ using TimedWaitFunction = int(pthread_cond_t*, pthread_mutex_t*, clockid_t, cons
 /// In slices, since nothing else than its own broadcast ends it.
 int wait_for_condition(gpio::State& state, pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock,
                        const struct timespec* until) {
-  static auto* const native = next<TimedWaitFunction>("pthread_cond_clockwait");
+  static auto* const native = gpio::next<TimedWaitFunction>("pthread_cond_clockwait");
   int result = ETIMEDOUT;
   const bool ended = gpio::wait_in_slices(state, monotonic_of(state, clock, ns_of(*until)), [&] {
     const struct timespec slice = timespec_of(gpio::sys::now_ns() + 1'000'000);
@@ -133,7 +128,7 @@ STROBE_EXPORT int clock_nanosleep(clockid_t clock, int flags, const struct times
   gpio::State* state = kept();
   if (state == nullptr) {
     using Function = int(clockid_t, int, const struct timespec*, struct timespec*);
-    static auto* const native = next<Function>("clock_nanosleep");
+    static auto* const native = gpio::next<Function>("clock_nanosleep");
     return native(clock, flags, wanted, left);
   }
   if ((flags & TIMER_ABSTIME) == 0) return sleep_in_rig_time(*state, ns_of(*wanted), left);
@@ -153,7 +148,7 @@ STROBE_EXPORT int poll(struct pollfd* polled, nfds_t count, int timeout_ms) {
   if (state != nullptr)
     return gpio::wait_for(*state, polled, count, timeout_ms < 0 ? -1 : std::int64_t{timeout_ms} * 1'000'000);
   using Function = int(struct pollfd*, nfds_t, int);
-  static auto* const native = next<Function>("poll");
+  static auto* const native = gpio::next<Function>("poll");
   return native(polled, count, timeout_ms);
 }
 STROBE_EXPORT int __poll_chk(struct pollfd* polled, nfds_t count, int timeout_ms, size_t) {
@@ -165,7 +160,7 @@ STROBE_EXPORT int ppoll(struct pollfd* polled, nfds_t count, const struct timesp
   gpio::State* state = kept();
   if (state == nullptr) {
     using Function = int(struct pollfd*, nfds_t, const struct timespec*, const sigset_t*);
-    static auto* const native = next<Function>("ppoll");
+    static auto* const native = gpio::next<Function>("ppoll");
     return native(polled, count, timeout, signals);
   }
   gpio::become_loop(*state);
@@ -181,7 +176,7 @@ STROBE_EXPORT int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mute
                                          const struct timespec* until) {
   gpio::State* state = kept();
   if (state != nullptr) return wait_for_condition(*state, condition, mutex, clock, until);
-  static auto* const native = next<TimedWaitFunction>("pthread_cond_clockwait");
+  static auto* const native = gpio::next<TimedWaitFunction>("pthread_cond_clockwait");
   return native(condition, mutex, clock, until);
 }
 
@@ -190,14 +185,14 @@ STROBE_EXPORT int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mute
   gpio::State* state = kept();
   if (state != nullptr) return wait_for_condition(*state, condition, mutex, CLOCK_REALTIME, until);
   using Function = int(pthread_cond_t*, pthread_mutex_t*, const struct timespec*);
-  static auto* const native = next<Function>("pthread_cond_timedwait");
+  static auto* const native = gpio::next<Function>("pthread_cond_timedwait");
   return native(condition, mutex, until);
 }
 
 STROBE_EXPORT int pthread_setschedparam(pthread_t thread, int policy,
                                         const struct sched_param* wanted) noexcept {
   using Function = int(pthread_t, int, const struct sched_param*);
-  static auto* const native = next<Function>("pthread_setschedparam");
+  static auto* const native = gpio::next<Function>("pthread_setschedparam");
   // Whether it is granted or not: a machine may lack the right, rig time stands in for it.
   if (pthread_equal(thread, pthread_self()) != 0)
     gpio::note_real_time((policy & ~SCHED_RESET_ON_FORK) == SCHED_FIFO);
@@ -227,7 +222,7 @@ int spawn(Spawn* native, pid_t* child, const char* path, const posix_spawn_file_
 
 STROBE_EXPORT pid_t fork() noexcept {
   using Function = pid_t();
-  static auto* const native = next<Function>("fork");
+  static auto* const native = gpio::next<Function>("fork");
   const pid_t child = native();
   join_child(child == 0 ? getpid() : child);
   return child;
@@ -239,12 +234,12 @@ STROBE_EXPORT pid_t vfork() noexcept { return fork(); }
 STROBE_EXPORT int posix_spawn(pid_t* child, const char* path, const posix_spawn_file_actions_t* actions,
                               const posix_spawnattr_t* attributes, char* const* arguments,
                               char* const* environment) {
-  static auto* const native = next<decltype(posix_spawn)>("posix_spawn");
+  static auto* const native = gpio::next<decltype(posix_spawn)>("posix_spawn");
   return spawn(native, child, path, actions, attributes, arguments, environment);
 }
 STROBE_EXPORT int posix_spawnp(pid_t* child, const char* file, const posix_spawn_file_actions_t* actions,
                                const posix_spawnattr_t* attributes, char* const* arguments,
                                char* const* environment) {
-  static auto* const native = next<decltype(posix_spawnp)>("posix_spawnp");
+  static auto* const native = gpio::next<decltype(posix_spawnp)>("posix_spawnp");
   return spawn(native, child, file, actions, attributes, arguments, environment);
 }
