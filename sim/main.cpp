@@ -245,51 +245,67 @@ int main(int argc, char** argv) {
   add_board(app, boards);
 
   std::string chip_dir;
-  CLI::App* lines = app.add_subcommand("lines", "Show each line of a running rig's chip");
-  lines->footer(
+  std::string after;
+  std::vector<std::string> words;
+  const auto at_rig = [&app, &chip_dir](const char* name, const char* what, const char* footer) {
+    CLI::App* command = app.add_subcommand(name, what);
+    command->footer(footer);
+    command->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
+    return command;
+  };
+  const auto takes_command = [&words](CLI::App* command) {
+    command->add_option("command", words, "Command and its arguments, after --")->required();
+  };
+  const auto may_wait = [&after](CLI::App* command) {
+    command->add_option("--after", after, "LINE=N: at the line's Nth rise from now (default: at once)");
+  };
+
+  CLI::App* lines = at_rig(
+      "lines", "Show each line of a running rig's chip",
       "Prints offset, name, direction, level and consumer.\nExample: strobe-sim lines --chip-dir /tmp/chip");
-  lines->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
   lines->add_flag("--json", json, "One JSON object per line");
 
-  std::vector<std::string> drives;
-  CLI::App* drive = app.add_subcommand("drive", "Drive inputs of a running rig's chip by hand");
-  drive->footer(
+  CLI::App* drive = at_rig(
+      "drive", "Drive inputs of a running rig's chip by hand",
       "Levels are physical: ESTOP=0 presses the e-stop. LINE=open breaks the line's wire until it is driven "
       "again: the chip's own resistor then decides, as strobed asked for it.\n"
       "Example: strobe-sim drive --chip-dir /tmp/chip KEY=0\n"
       "         strobe-sim drive --chip-dir /tmp/chip --after STROBE_A=20 ESTOP=0");
-  drive->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
-  drive->add_option("drives", drives, "LINE=LEVEL, a line's name or offset and 0, 1 or open")->required();
-  std::string after;
-  drive->add_option("--after", after, "LINE=N: at the line's Nth rise from now (default: at once)");
+  drive->add_option("drives", words, "LINE=LEVEL, a line's name or offset and 0, 1 or open")->required();
+  may_wait(drive);
 
-  std::vector<std::string> obeyed;
-  CLI::App* obey =
-      app.add_subcommand("operator", "Do at a running rig what strobe commission asks a person for");
-  obey->footer(
+  CLI::App* obey = at_rig(
+      "operator", "Do at a running rig what strobe commission asks a person for",
       "Turns the key, presses the e-stop and pulls their wires when the command's standard error asks for "
-      "it. "
-      "Whatever else a person would have to judge is left to --yes.\n"
+      "it. Whatever else a person would have to judge is left to --yes.\n"
       "Example: strobe-sim operator --chip-dir /tmp/chip -- strobe commission --rig rig.toml --yes");
-  obey->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
-  obey->add_option("command", obeyed, "Command and its arguments, after --")->required();
+  takes_command(obey);
 
-  std::vector<std::string> joined;
-  CLI::App* join = app.add_subcommand("join", "Run a command in the time of a running rig");
-  join->footer(
+  CLI::App* join = at_rig(
+      "join", "Run a command in the time of a running rig",
       "Time waits for it as for strobed: a host that joins loses nothing on a busy machine.\n"
       "Example: strobe-sim join --chip-dir /tmp/chip -- strobe fire --shots 3 --rig rig.toml --session "
       "today");
-  join->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
-  join->add_option("command", joined, "Command and its arguments, after --")->required();
+  takes_command(join);
 
-  CLI::App* unplug = app.add_subcommand("unplug", "Unplug a running rig's chip");
-  unplug->footer(
+  CLI::App* unplug = at_rig(
+      "unplug", "Unplug a running rig's chip",
       "Every further call on it answers \"no such device\", and event lines hang up. A chip that keeps "
       "released outputs goes on driving them; one that does not lets them all go.\n"
       "Example: strobe-sim unplug --chip-dir /tmp/chip --after STROBE_A=20");
-  unplug->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
-  unplug->add_option("--after", after, "LINE=N: at the line's Nth rise from now (default: at once)");
+  may_wait(unplug);
+
+  sim::ClockOptions clocks;
+  CLI::App* clock = at_rig(
+      "clock", "Suspend the machine of a running rig, or set its wall clock",
+      "For all programs in the rig's time. While the machine is suspended CLOCK_MONOTONIC stands still.\n"
+      "Example: strobe-sim clock --chip-dir /tmp/chip --suspend 600\n"
+      "         strobe-sim clock --chip-dir /tmp/chip --step -3600 --after STROBE_A=20");
+  clock->add_option("--suspend", clocks.suspend_s, "CLOCK_BOOTTIME and CLOCK_REALTIME go on by as much [s]")
+      ->check(CLI::Range(0.0, sim::kLongestSuspension_s));
+  clock->add_option("--step", clocks.step_s, "CLOCK_REALTIME is set by as much, back below 0 [s]")
+      ->check(CLI::Range(-sim::kLongestSuspension_s, sim::kLongestSuspension_s));
+  may_wait(clock);
 
   std::string tables;
   std::string folder;
@@ -314,9 +330,10 @@ int main(int argc, char** argv) {
   if (app.got_subcommand("photograph")) return sim::photograph_command(photographs);
   if (app.got_subcommand("board")) return sim::board_command(boards);
   if (lines->parsed()) return sim::lines_command(chip_dir, json);
-  if (drive->parsed()) return sim::drive_command(chip_dir, drives, after);
-  if (join->parsed()) return sim::join_command(chip_dir, joined);
-  if (obey->parsed()) return sim::operator_command(chip_dir, obeyed);
+  if (drive->parsed()) return sim::drive_command(chip_dir, words, after);
+  if (join->parsed()) return sim::join_command(chip_dir, words);
+  if (obey->parsed()) return sim::operator_command(chip_dir, words);
+  if (clock->parsed()) return sim::clock_command(chip_dir, clocks, after);
   if (unplug->parsed()) return sim::unplug_command(chip_dir, after);
   if (fit->parsed()) return sim::fit_command(tables, folder, json);
   return sim::run_command(options);

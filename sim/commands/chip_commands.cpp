@@ -124,6 +124,16 @@ int unplug_command(const std::string& chip_dir, const std::string& after) {
   return 0;
 }
 
+int clock_command(const std::string& chip_dir, const ClockOptions& options, const std::string& after) {
+  if (options.suspend_s == 0.0 && options.step_s == 0.0)
+    return report_error("clock: --suspend or --step is missing", 2);
+  auto chip = Chip::attach(chip_dir);
+  if (!chip) return report_error(chip.error().message, 2);
+  if (const auto ended = wait_until(*chip, after)) return *ended;
+  if (chip->set_clocks(from_seconds(options.suspend_s), from_seconds(options.step_s))) return 0;
+  return report_error("the rig lives in the machine's time: strobe-sim run --time wall or fast is wanted", 1);
+}
+
 int lines_command(const std::string& chip_dir, bool json) {
   const auto chip = Chip::attach(chip_dir);
   if (!chip) return report_error(chip.error().message, 2);

@@ -36,6 +36,14 @@ int run_command(const RunOptions& options);
 /// Becomes the command, in the time of the rig whose chip is in that folder.
 int join_command(const std::string& chip_dir, const std::vector<std::string>& command);
 
+constexpr double kLongestSuspension_s = 30.0 * 86'400.0;
+struct ClockOptions {
+  double suspend_s = 0.0;
+  double step_s = 0.0;
+};
+/// Of a rig that keeps a time of its own; `after`: LINE=N, or empty.
+int clock_command(const std::string& chip_dir, const ClockOptions& options, const std::string& after);
+
 /// Of simulated shots.
 struct SimulatedOptions {
   std::string scene;

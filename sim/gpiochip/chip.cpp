@@ -196,6 +196,14 @@ void Chip::keep_time(gpio::Pace pace, const std::optional<gpio::TimeKeeper::Repe
 
 void Chip::join_time() const { gpio::join_time(impl_->state(), ::getpid()); }
 
+bool Chip::set_clocks(Duration suspended, Duration wall_step) const {
+  gpio::State& state = impl_->state();
+  if (!gpio::is_kept(state)) return false;
+  state.time.boottime_less_ns.fetch_add(suspended.count());
+  state.time.realtime_less_ns.fetch_add((suspended + wall_step).count());
+  return true;
+}
+
 void Chip::begin_time() const { impl_->state().time.begun.store(1); }
 
 ChangeCursor Chip::cursor_now() const { return {gpio::newest(impl_->state())}; }

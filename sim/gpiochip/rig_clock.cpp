@@ -13,6 +13,10 @@ Duration RigClock::since_boot() const {
   return Duration{state_ != nullptr ? gpio::boottime_ns(*state_) : gpio::sys::clock_ns(CLOCK_BOOTTIME)};
 }
 
+WallTime RigClock::wall() const {
+  return WallTime{Duration{state_ != nullptr ? gpio::realtime_ns(*state_) : gpio::sys::clock_ns(CLOCK_REALTIME)}};
+}
+
 void RigClock::sleep_for(Duration duration) const { static_cast<void>(poll(nullptr, 0, duration)); }
 
 int RigClock::poll(struct pollfd* polled, nfds_t count, Duration timeout) const {

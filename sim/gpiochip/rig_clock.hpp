@@ -21,6 +21,7 @@ class RigClock {
 
   MonoTime now() const;
   Duration since_boot() const;  ///< CLOCK_BOOTTIME
+  WallTime wall() const;        ///< CLOCK_REALTIME
   void sleep_for(Duration duration) const;
   /// As poll(2).
   int poll(struct pollfd* polled, nfds_t count, Duration timeout) const;

@@ -318,6 +318,10 @@ int wait_for(State& state, struct pollfd* polled, nfds_t count, std::int64_t tim
   return answer(ready);
 }
 
+void wait_for_turn(State& state) {
+  if (takes_part(state)) hold(state, state.time.now_ns.load());
+}
+
 void leave(State& state) {
   if (is_of(state.time, self.wait)) give_back(self.wait);
 }

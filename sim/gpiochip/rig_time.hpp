@@ -56,6 +56,9 @@ int wait_for(State& state, struct pollfd* polled, nfds_t count, std::int64_t tim
 template <typename Slice>
 bool wait_in_slices(State& state, std::int64_t until_ns, Slice&& slice);
 
+/// Until all others sleep: for one that another thread has started or woken.
+void wait_for_turn(State& state);
+
 /// The calling thread asked for a real-time policy, or for another one.
 void note_real_time(bool real_time);
 /// If it did, it is the loop from now on: its looks at the clock are steps, and the rig answers to it.

@@ -64,7 +64,15 @@ class Keeping {
 
   bool all_asleep() {
     list_programs();
-    return threads_.all_asleep() ? no_slice_is_due() : loop_hangs();
+    return threads_.all_asleep() ? nobody_has_joined() && no_slice_is_due() : loop_hangs();
+  }
+
+  /// A child that was made since the programs were listed runs, though its parent sleeps again.
+  bool nobody_has_joined() {
+    return std::all_of(std::begin(time_.programs), std::end(time_.programs), [this](const auto& program) {
+      const std::int32_t pid = program.load();
+      return pid == 0 || std::find(programs_.begin(), programs_.end(), pid) != programs_.end();
+    });
   }
 
   /// One whose instant has come, but which has not looked yet.

@@ -1,5 +1,6 @@
 #include "sim/photograph/photograph_file.hpp"
 
+#include <chrono>
 #include <cstdint>
 #include <fstream>
 #include <vector>
@@ -22,8 +23,8 @@ Result<std::vector<std::uint8_t>> encode(const cv::Mat& pixels, PhotographFormat
 
 std::string extension(PhotographFormat format) { return format == PhotographFormat::png ? ".png" : ".tif"; }
 
-Result<void> write_photograph(const std::filesystem::path& path, const cv::Mat& pixels,
-                              PhotographFormat format) {
+Result<void> write_photograph(const std::filesystem::path& path, const cv::Mat& pixels, PhotographFormat format,
+                              std::optional<WallTime> written) {
   const auto bytes = encode(pixels, format);
   if (!bytes) return fail(path.string() + ": " + bytes.error().message);
   const std::filesystem::path part = path.string() + ".part";
@@ -31,7 +32,8 @@ Result<void> write_photograph(const std::filesystem::path& path, const cv::Mat& 
   file.write(reinterpret_cast<const char*>(bytes->data()), static_cast<std::streamsize>(bytes->size()));
   file.close();
   std::error_code error;
-  if (file) std::filesystem::rename(part, path, error);
+  if (written) std::filesystem::last_write_time(part, std::chrono::file_clock::from_sys(*written), error);
+  if (file && !error) std::filesystem::rename(part, path, error);
   if (file && !error) return {};
   std::filesystem::remove(part, error);
   return fail(path.string() + ": cannot be written");

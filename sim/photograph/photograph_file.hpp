@@ -3,10 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <opencv2/core.hpp>
 #include <string>
 
 #include "common/result.hpp"
+#include "common/units/time.hpp"
 #include "sim/scene/photograph_settings.hpp"
 
 namespace strobe::sim {
@@ -14,9 +16,9 @@ namespace strobe::sim {
 /// ".tif" or ".png"
 std::string extension(PhotographFormat format);
 
-/// Uncompressed TIFF, or PNG. The file appears complete under its name, over an older one. The error names
-/// the file.
-Result<void> write_photograph(const std::filesystem::path& path, const cv::Mat& pixels,
-                              PhotographFormat format);
+/// Uncompressed TIFF, or PNG. The file appears complete under its name, over an older one. `written`: its time of last
+/// change, the machine's if none is given. The error names the file.
+Result<void> write_photograph(const std::filesystem::path& path, const cv::Mat& pixels, PhotographFormat format,
+                              std::optional<WallTime> written = std::nullopt);
 
 }  // namespace strobe::sim

@@ -10,4 +10,11 @@ Function* next(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 
+/// Of glibc's condition variables, whose first version, which dlsym() would find, has another layout.
+template <typename Function>
+Function* next_of_condition(const char* name) {
+  void* const found = dlvsym(RTLD_NEXT, name, "GLIBC_2.3.2");
+  return found != nullptr ? reinterpret_cast<Function*>(found) : next<Function>(name);
+}
+
 }  // namespace strobe::sim::gpio

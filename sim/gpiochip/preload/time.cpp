@@ -9,6 +9,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <new>
+
 #include "sim/gpiochip/preload/device.hpp"
 #include "sim/gpiochip/preload/next.hpp"
 #include "sim/gpiochip/rig_time.hpp"
@@ -84,6 +86,14 @@ __attribute__((constructor)) void join() {
   gpio::join_time(*state, getpid());
 }
 
+/// One that another thread has woken goes on once that one sleeps, as do those whom it wakes; nobody waits for the mutex
+/// meanwhile.
+void wait_for_turn(gpio::State& state, pthread_mutex_t* mutex) {
+  pthread_mutex_unlock(mutex);
+  gpio::wait_for_turn(state);
+  pthread_mutex_lock(mutex);
+}
+
 using TimedWaitFunction = int(pthread_cond_t*, pthread_mutex_t*, clockid_t, const struct timespec*);
 
 /// In slices, since nothing else than its own broadcast ends it.
@@ -96,7 +106,9 @@ int wait_for_condition(gpio::State& state, pthread_cond_t* condition, pthread_mu
     result = native(condition, mutex, CLOCK_MONOTONIC, &slice);
     return result != ETIMEDOUT;
   });
-  return ended ? result : ETIMEDOUT;
+  if (!ended) return ETIMEDOUT;
+  wait_for_turn(state, mutex);
+  return result;
 }
 
 }  // namespace
@@ -185,8 +197,44 @@ STROBE_EXPORT int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mute
   gpio::State* state = kept();
   if (state != nullptr) return wait_for_condition(*state, condition, mutex, CLOCK_REALTIME, until);
   using Function = int(pthread_cond_t*, pthread_mutex_t*, const struct timespec*);
-  static auto* const native = gpio::next<Function>("pthread_cond_timedwait");
+  static auto* const native = gpio::next_of_condition<Function>("pthread_cond_timedwait");
   return native(condition, mutex, until);
+}
+
+STROBE_EXPORT int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
+  using Function = int(pthread_cond_t*, pthread_mutex_t*);
+  static auto* const native = gpio::next_of_condition<Function>("pthread_cond_wait");
+  const int result = native(condition, mutex);
+  if (gpio::State* state = kept()) wait_for_turn(*state, mutex);
+  return result;
+}
+
+namespace {
+
+struct Start {
+  void* (*run)(void*);
+  void* argument;
+};
+
+void* run_in_turn(void* started) {
+  const Start start = *static_cast<Start*>(started);
+  delete static_cast<Start*>(started);
+  if (gpio::State* state = kept()) gpio::wait_for_turn(*state);
+  return start.run(start.argument);
+}
+
+}  // namespace
+
+STROBE_EXPORT int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*),
+                                 void* argument) noexcept {
+  using Function = int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);
+  static auto* const native = gpio::next<Function>("pthread_create");
+  if (kept() == nullptr) return native(thread, attributes, run, argument);
+  auto* const start = new (std::nothrow) Start{run, argument};
+  if (start == nullptr) return EAGAIN;
+  const int result = native(thread, attributes, run_in_turn, start);
+  if (result != 0) delete start;
+  return result;
 }
 
 STROBE_EXPORT int pthread_setschedparam(pthread_t thread, int policy,
