@@ -22,8 +22,9 @@ namespace {
 
 // How often a waiting rig looks for owners that died; a release is stamped when it is found.
 constexpr std::int64_t kSweep_ns = 1'000'000;
-// In rig time each look stops the program under test.
-constexpr std::int64_t kKeptSweep_ns = 20'000'000;
+// In rig time each look stops the program under test; an edge that must settle is reported then.
+constexpr std::int64_t kKeptSweep_ns = 100'000'000;
+constexpr std::int64_t kDebounceSweep_ns = 20'000'000;
 
 static_assert(static_cast<int>(Cause::set) == static_cast<int>(gpio::CauseCode::set));
 static_assert(static_cast<int>(Cause::request) == static_cast<int>(gpio::CauseCode::request));
@@ -64,7 +65,10 @@ struct Chip::Impl {
     if (state().unplugged.load() != 0) folder.close_events();
   }
 
-  std::int64_t sweep_ns() const { return keeper ? kKeptSweep_ns : kSweep_ns; }
+  std::int64_t sweep_ns() const {
+    if (!keeper) return kSweep_ns;
+    return gpio::any_debounced(state()) ? kDebounceSweep_ns : kKeptSweep_ns;
+  }
 
   /// An edge and its event belong together: held while one process drives the line.
   void lock_drive(std::uint32_t line) const {

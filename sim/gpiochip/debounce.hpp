@@ -14,6 +14,11 @@ namespace strobe::sim::gpio {
 inline bool is_debounced(const State& state, std::uint32_t line) {
   return state.lines[line].debounce_us.load() != 0;
 }
+inline bool any_debounced(const State& state) {
+  for (std::uint32_t line = 0; line < state.line_count; ++line)
+    if (is_debounced(state, line)) return true;
+  return false;
+}
 
 /// A new period, 0 for none. A line that was not debounced starts with its level now.
 void set_debounce(State& state, std::uint32_t line, std::uint32_t period_us);

@@ -46,6 +46,11 @@ void finish_pending(State& state);
 
 /// Wakes every rig that waits for changes.
 void notify(State& state);
+/// The same, of one that may be about to sleep.
+inline void wake_waiting(State& state) {
+  state.waiting.store(1);
+  notify(state);
+}
 
 unsigned level_of(const State& state, std::uint32_t line);
 

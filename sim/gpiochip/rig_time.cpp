@@ -139,8 +139,7 @@ void let_rig_turn(State& state) {
   int seconds = 0;
   while (!rig_sleeps(state) && is_kept(state)) {
     const std::uint32_t turn = time.turns.load();
-    state.waiting.store(1);
-    notify(state);
+    wake_waiting(state);
     if (rig_sleeps(state)) return;
     sys::futex_wait(&time.turns, turn, sys::now_ns() + kKeeperLooksAfter);
     if (time.turns.load() == turn) stop_if_keeper_is_gone(time, beat, seconds);
@@ -149,7 +148,8 @@ void let_rig_turn(State& state) {
 
 std::int64_t step(State& state, std::int64_t charge_ns) {
   RigTime& time = state.time;
-  if (self.is_loop) time.loop_looks.fetch_add(1, std::memory_order_relaxed);
+  if (self.is_loop)  // nobody else counts
+    time.loop_looks.store(time.loop_looks.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   std::int64_t target = time.now_ns.load() + charge_ns;
   if (time.pace.load() == Pace::wall) target = std::min(target, std::max(time.now_ns.load(), sys::now_ns()));
   for (;;) {

@@ -27,15 +27,18 @@ char state_of(const char* stat) {
 bool is_asleep(char state) { return strchr("STtZX", state) != nullptr; }
 
 struct Schedule {
-  unsigned long long ran_ns = 0;
-  unsigned long long waited_ns = 0;
-  unsigned long long runs = 0;
+  std::uint64_t ran_ns = 0;
+  std::uint64_t runs = 0;
 };
 
+/// Time on a processor, time of waiting for one, and how often it got one.
 Schedule schedule_of(const char* schedstat) {
   Schedule schedule;
-  if (schedstat != nullptr)
-    sscanf(schedstat, "%llu %llu %llu", &schedule.ran_ns, &schedule.waited_ns, &schedule.runs);
+  if (schedstat == nullptr) return schedule;
+  char* at = nullptr;
+  schedule.ran_ns = strtoull(schedstat, &at, 10);
+  strtoull(at, &at, 10);
+  schedule.runs = strtoull(at, &at, 10);
   return schedule;
 }
 
@@ -63,10 +66,14 @@ void ThreadStates::watch(const std::vector<pid_t>& programs) {
   for (const pid_t pid : programs) programs_.try_emplace(pid);
 }
 
-void ThreadStates::list_threads(pid_t pid, Program& program) const {
-  program.threads.clear();
+void ThreadStates::list_new_threads(pid_t pid, Program& program) const {
   char path[64];
   snprintf(path, sizeof path, "/proc/%d/task", pid);
+  struct stat status {};
+  const std::uint64_t links = ::stat(path, &status) == 0 ? status.st_nlink : 0;
+  if (links == program.links && links != 0) return;
+  program.links = links;
+  program.threads.clear();
   DIR* const folder = ::opendir(path);
   if (folder == nullptr) return;
   while (const dirent* entry = ::readdir(folder)) {
@@ -81,34 +88,31 @@ void ThreadStates::list_threads(pid_t pid, Program& program) const {
   ::closedir(folder);
 }
 
-bool ThreadStates::look(pid_t pid, Program& program, std::uint64_t& runs) {
-  char path[64];
-  snprintf(path, sizeof path, "/proc/%d/task", pid);
-  struct stat folder {};
-  if (::stat(path, &folder) != 0) return true;  // it is gone
-  if (folder.st_nlink != program.links) {
-    program.links = folder.st_nlink;
-    list_threads(pid, program);
-  }
-  for (Thread& thread : program.threads) {
-    const char* const stat = thread.stat.read();
-    if (stat == nullptr) {
-      program.links = 0;  // that one has ended, another may have begun
-      continue;
+std::uint64_t ThreadStates::activity() {
+  std::uint64_t sum = 0;
+  for (auto& [pid, program] : programs_)
+    for (Thread& thread : program.threads) {
+      const Schedule schedule = schedule_of(thread.schedstat.read());
+      sum += schedule.ran_ns + schedule.runs;
     }
-    if (!is_asleep(state_of(stat))) {
-      running_ = thread.tid;
-      return false;
-    }
-    runs += schedule_of(thread.schedstat.read()).runs;
-  }
-  return true;
+  return sum;
 }
 
-bool ThreadStates::look(std::uint64_t& runs) {
-  runs = 0;
+bool ThreadStates::sleeps(Program& program, Thread& thread) {
+  const char* const stat = thread.stat.read();
+  if (stat == nullptr) {
+    program.links = 0;  // that one has ended, another may have begun
+    return true;
+  }
+  if (is_asleep(state_of(stat))) return true;
+  running_ = thread.tid;
+  return false;
+}
+
+bool ThreadStates::all_sleep() {
   for (auto& [pid, program] : programs_)
-    if (!look(pid, program, runs)) return false;
+    for (Thread& thread : program.threads)
+      if (!sleeps(program, thread)) return false;
   return true;
 }
 
@@ -126,10 +130,15 @@ bool ThreadStates::network_is_quiet() {
 }
 
 bool ThreadStates::all_asleep() {
+  for (auto& [pid, program] : programs_)
+    for (Thread& thread : program.threads)
+      if (thread.tid == running_ && !sleeps(program, thread)) return false;
   running_ = 0;
-  std::uint64_t before = 0;
-  std::uint64_t after = 0;
-  return look(before) && network_is_quiet() && look(after) && before == after;
+  // If nobody has run between the two sums, nobody was woken but by a datagram: who slept within, slept throughout. New
+  // threads make the second one larger.
+  const std::uint64_t before = activity();
+  for (auto& [pid, program] : programs_) list_new_threads(pid, program);
+  return network_is_quiet() && all_sleep() && activity() == before;
 }
 
 std::uint64_t ThreadStates::consumed_ns(pid_t pid, pid_t tid) {

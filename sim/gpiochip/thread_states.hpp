@@ -23,6 +23,8 @@ class ThreadStates {
 
   /// Of a thread that all_asleep() found running: 0 if it found none.
   pid_t running() const { return running_; }
+  /// That one, which has just been woken, is looked at first.
+  void expect_running(pid_t tid) { running_ = tid; }
   /// Processor time that a thread has had. [ns]
   std::uint64_t consumed_ns(pid_t pid, pid_t tid);
 
@@ -49,10 +51,11 @@ class ThreadStates {
     std::uint64_t links = 0;  ///< of its folder of threads: 2 more than threads
     std::vector<Thread> threads;
   };
-  /// A look at all: false at the first that does not sleep. Adds up how often they have run.
-  bool look(std::uint64_t& runs);
-  bool look(pid_t pid, Program& program, std::uint64_t& runs);
-  void list_threads(pid_t pid, Program& program) const;
+  /// Changes if any thread has had the processor, be it for a moment.
+  std::uint64_t activity();
+  bool sleeps(Program& program, Thread& thread);
+  bool all_sleep();
+  void list_new_threads(pid_t pid, Program& program) const;
   bool network_is_quiet();
 
   pid_t excepted_;

@@ -147,6 +147,7 @@ class Keeping {
     const WakeBy wake_by = wait.wake_by.load();
     if (wake_by != WakeBy::itself && !wait.until_ns.compare_exchange_strong(until, kNever)) return;
     time_.next_ns.store(next_of_others(wait));
+    threads_.expect_running(wait.tid.load());
     wait.woken.fetch_add(1);
     switch (wake_by) {
       case WakeBy::signal:
@@ -156,8 +157,7 @@ class Keeping {
         sys::futex_wake_all(&wait.woken);
         return;
       case WakeBy::ring:
-        state_.waiting.store(1);
-        notify(state_);
+        wake_waiting(state_);
         return;
       case WakeBy::itself:
         return;
@@ -226,8 +226,7 @@ TimeKeeper::~TimeKeeper() {
   }
   time.turns.fetch_add(1);
   sys::futex_wake_all(&time.turns);
-  state_.waiting.store(1);
-  notify(state_);
+  wake_waiting(state_);
 }
 
 void TimeKeeper::run() {

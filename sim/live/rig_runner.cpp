@@ -10,7 +10,7 @@ namespace strobe::sim {
 
 namespace {
 
-constexpr Duration kLongestWait = milliseconds(20);  // latency of stop()
+constexpr Duration kLongestWait = milliseconds(100);  // latency of stop()
 constexpr Duration kDriveTooLate = milliseconds(3);  // a sensor edge as late as the next flash may confuse
 constexpr int kPriority = 40;                        // below the program under test, above everything else
 

@@ -1,5 +1,8 @@
 #include "sim/live/tablet_operator.hpp"
 
+#include <sys/eventfd.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -14,7 +17,8 @@ namespace strobe::sim {
 
 namespace {
 
-constexpr Duration kPoll = milliseconds(20);
+constexpr Duration kPoll = milliseconds(20);  // while an exposure lasts
+constexpr Duration kIdle = std::chrono::seconds(1);
 constexpr int kMaxDatagrams = 1000;  // between two looks at the tasks
 // the shot's start and the shutter line's edge may coincide
 constexpr Duration kStartSlack = milliseconds(1);
@@ -49,9 +53,13 @@ TabletOperator::TabletOperator(const Scene& scene, std::uint64_t seed, ExposureS
       clock_(clock),
       rig_name_(std::move(rig_name)),
       seal_(key),
-      packet_{packets_id(clock), 0} {}
+      packet_{packets_id(clock), 0},
+      stop_event_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
 
-TabletOperator::~TabletOperator() { stop(); }
+TabletOperator::~TabletOperator() {
+  stop();
+  close(stop_event_);
+}
 
 Result<std::unique_ptr<TabletOperator>> TabletOperator::create(
     const std::string& lcm_url, const std::string& rig_name, const authentication::Key& key,
@@ -83,13 +91,20 @@ void TabletOperator::start() {
 void TabletOperator::stop() {
   if (!thread_.joinable()) return;
   stopping_ = true;
+  eventfd_write(stop_event_, 1);
   thread_.join();
+}
+
+Duration TabletOperator::until_due() const {
+  MonoTime due = clock_.now() + kIdle;
+  for (const Task& task : tasks_) due = std::min(due, known(task.due) ? task.due : clock_.now() + kPoll);
+  return std::max(Duration{}, due - clock_.now());
 }
 
 void TabletOperator::receive() {
   socket_->stay_joined();
-  pollfd readable{socket_->fd(), POLLIN, 0};
-  clock_.poll(&readable, 1, kPoll);
+  pollfd awaited[] = {{socket_->fd(), POLLIN, 0}, {stop_event_, POLLIN, 0}};
+  clock_.poll(awaited, 2, until_due());
   const std::string channel = messages::channel_name(rig_name_, messages::Channel::shot);
   for (int i = 0; i < kMaxDatagrams; ++i) {
     const auto received = socket_->receive();

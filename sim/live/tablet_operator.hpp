@@ -63,7 +63,8 @@ class TabletOperator {
                  std::string rig_name, const authentication::Key& key, RigClock clock);
   Result<void> join(const std::string& lcm_url);
   void run();
-  /// Takes in what has arrived, after waiting for it a moment.
+  Duration until_due() const;
+  /// Takes in what has arrived, after waiting for it until something is due.
   void receive();
   void on_shot(const strobe_msgs::shot_t& shot);
   void publish(const strobe_msgs::frame_t& frame);
@@ -88,6 +89,7 @@ class TabletOperator {
   std::set<ShotKey> announced_;
   std::map<ShotKey, strobe_msgs::frame_t> sent_;
   std::atomic<bool> stopping_{false};
+  const int stop_event_;  ///< an eventfd that ends a wait
   std::thread thread_;
 };
 

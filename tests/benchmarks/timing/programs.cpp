@@ -49,7 +49,7 @@ std::string with_real_time(std::string rig, const LoopSettings& like) {
 }  // namespace
 
 LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& folder,
-                     const std::filesystem::path& strobed) {
+                     const std::filesystem::path& strobed, const std::string& time) {
   const std::string bin = std::filesystem::canonical("/proc/self/exe").parent_path();
   const std::filesystem::path session = folder / "session";
   std::filesystem::remove_all(session);
@@ -65,7 +65,7 @@ LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& fold
   // A key of its own: both programs find it there.
   std::ofstream(script) << "export XDG_CONFIG_HOME='" << folder.string() << "'\nrig='"
                         << (folder / "rig.toml").string() << "'\n"
-                        << bin << "/strobe-sim run --time real --scene zero_23 --no-digitizer --lcm-url '" << url
+                        << bin << "/strobe-sim run --time " << time << " --scene zero_23 --no-digitizer --lcm-url '" << url
                         << "' -- " << (strobed.empty() ? bin + "/strobed" : strobed.string())
                         << " --config $rig --session " << session << " --lcm-url '" << url
                         << "' --allow-no-rt &\nsim=$!\n"

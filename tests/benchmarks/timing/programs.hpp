@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "tests/benchmarks/timing/loop_run.hpp"
 
@@ -9,8 +10,8 @@ namespace strobe::benchmarks::timing {
 
 /// Fires dry shots (lamps and shutter only) for about `like.seconds`, with the shipped rig file; a shot with
 /// its pauses takes about one. Of `like` only seconds, priority and CPU count. `strobed`: the program, or empty
-/// for the one beside this. std::runtime_error if no flash was fired.
+/// for the one beside this; `time`: strobe-sim's --time. std::runtime_error if no flash was fired.
 LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& folder,
-                     const std::filesystem::path& strobed = {});
+                     const std::filesystem::path& strobed = {}, const std::string& time = "real");
 
 }  // namespace strobe::benchmarks::timing

@@ -61,7 +61,10 @@ class LoadStudy {
       take("loop, no rig on the chip", loop(false, Outputs::chip, true));
       take("loop, sets nothing", loop(false, Outputs::none, true));
     }
-    if (options_.programs) take("all programs", run_programs(options_.loop, folder_));
+    if (options_.programs) {
+      take("all programs", run_programs(options_.loop, folder_));
+      take("all programs, rig time", run_programs(options_.loop, folder_, {}, "wall"));
+    }
     if (!options_.other_strobed.empty())
       take("with the other strobed", run_programs(options_.loop, folder_, options_.other_strobed));
   }
@@ -173,7 +176,8 @@ void add_timing_command(CLI::App& app, int& exit_status) {
                          "Example: strobe-bench timing --rounds 3 --seconds 15 --plot timing.png");
   add_study_options(*command, *options);
   command->add_flag("--programs", options->programs,
-                    "also strobed with strobe fire and strobe-sim, from its journal");
+                    "also strobed with strobe fire and strobe-sim, from its journal: in the machine's time and in the "
+                    "rig's, which is to be like that of an idle machine");
   command
       ->add_option("--other-strobed", options->other_strobed,
                    "also with this strobed, such as one made with another libgpiod, in turns with --programs")
