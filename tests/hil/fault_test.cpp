@@ -33,6 +33,7 @@ std::vector<Shot> fire_with(const Faults& faults) {
   for (int shot = 0; const auto& [kind, more] : faults) options.scene_addition += fault(kind, ++shot, more);
   options.rig_edits = kShortExposure;  // the faults lie within three flashes of the impact
   options.seed = 7;
+  options.sim_options = kFastTime;
   RigFixture bench(options);
   expect_ready(bench);
   std::vector<nlohmann::json> answers;

@@ -38,6 +38,7 @@ void score_condition(const std::string& condition, std::uint64_t seed, Tally& ta
   options.scene = condition;
   options.seed = seed;
   options.rig_edits = kShortExposure;
+  options.sim_options = kFastTime;
   RigFixture bench(options);
   if (!bench.ready()) {
     tally.trouble += fmt::format("\n  {}: strobed did not come up:\n{}", condition, bench.log());
