@@ -1,0 +1,234 @@
+#include "tests/campaigns/resume.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <map>
+#include <set>
+#include <strobe_msgs/event_t.hpp>
+
+#include "common/shot/shot_key.hpp"
+#include "host/archive/read_session.hpp"
+#include "tests/campaigns/series_rig.hpp"
+#include "tests/hil/raw_host.hpp"
+#include "tests/hil/short_shots.hpp"
+#include "tests/support/json_lines.hpp"
+
+namespace strobe::resume {
+
+namespace {
+
+using campaigns::Draws;
+using campaigns::kSeriesEnds;
+using hil::RigFixture;
+using testing::Command;
+using testing::ExitStatus;
+using testing::Process;
+
+hil::RigFixtureOptions rig_options(const Trial& trial, const Draws& draws,
+                                   const std::filesystem::path& camera) {
+  const hil::RigFixtureOptions options = campaigns::with_strobed_again(campaigns::series_rig(draws.seed()));
+  return trial.photographs ? with_small_photographs(options, camera) : options;
+}
+
+enum class Kind { kill, first_interrupt, two_interrupts, terminate, quit, full_disk, firmware_killed };
+constexpr std::array kNames{"the host killed", "Ctrl-C",      "Ctrl-C twice",  "SIGTERM",
+                            "Ctrl-\\",         "a full disk", "strobed killed"};
+
+class Session {
+ public:
+  Session(const Trial& trial, Draws& draws)
+      : trial_(trial), draws_(draws), bench_(rig_options(trial, draws, camera_.path())) {}
+
+  Outcome run() {
+    if (!bench_.ready()) throw std::runtime_error("strobed does not start: " + bench_.log());
+    for (int i = 0; i < trial_.interruptions; ++i) interrupt(static_cast<Kind>(draws_.between(0, 6)));
+    Process last(command({}), bench_.folder());
+    const auto ended = last.wait(kSeriesEnds);
+    outcome_.words += last.err();
+    if (ended != ExitStatus({0, 0})) violate("the session did not come to its shots");
+    nothing_is_fired_once_it_has_them();
+    campaigns::take_down(bench_);
+    judge();
+    outcome_.words += bench_.log();
+    report();
+    return std::move(outcome_);
+  }
+
+ private:
+  void violate(std::string what) { outcome_.violations.push_back(std::move(what)); }
+  std::filesystem::path folder() const { return bench_.folder() / "host"; }
+
+  /// --resume where a run was recorded and the draw says so, else --until, which say the same here.
+  Command command(const std::map<std::string, std::string>& environment) {
+    std::vector<std::string> words{"fire", "--session", folder(), "--retries", "50", "--plain"};
+    const bool recorded = !testing::read_text(folder() / "runs.jsonl").empty();
+    if (recorded && draws_.chance(0.5)) {
+      words.push_back("--resume");
+    } else {
+      words.insert(words.end(), {"--until", std::to_string(trial_.shots)});
+    }
+    if (trial_.photographs) words.insert(words.end(), {"--photographs", camera_.path(), "--effort", "fast"});
+    Command command = bench_.strobe(words);
+    command.environment = environment;
+    return command;
+  }
+
+  /// The writes to one of the session's files fail from a drawn one on.
+  std::map<std::string, std::string> full_disk() {
+    constexpr std::array kFiles{"host-", "results.csv", "flashes.csv", "shots.txt", "runs.jsonl"};
+    const std::string file = draws_.choice(kFiles);
+    const int nth = draws_.between(1, file == "host-" ? 900 : 2);
+    log_lost_ = log_lost_ || file == "host-";
+    outcome_.trial += fmt::format(" ({} from write {})", file, nth);
+    return {{"LD_PRELOAD", STROBE_DISK_FAULTS},
+            {"STROBE_DISK_FAULT", fmt::format("folder={},file={},call=write,nth={},times=1000000,error={}",
+                                              folder().string(), file, nth, ENOSPC)}};
+  }
+
+  void interrupt(Kind kind) {
+    const std::string name = kNames.at(static_cast<std::size_t>(kind));
+    outcome_.trial += outcome_.trial.empty() ? name : ", " + name;
+    Process host(command(kind == Kind::full_disk ? full_disk() : std::map<std::string, std::string>{}),
+                 bench_.folder());
+    // Somewhere from the shutter's opening to some time after the readout.
+    const int latest_ms = trial_.photographs ? 4000 : 900;
+    if (kind != Kind::full_disk && reach_instant_of_a_shot(bench_, host, draws_, latest_ms))
+      strike(kind, host);
+    if (!host.wait(kSeriesEnds)) violate("the host did not end after " + name);
+    outcome_.words += host.err();
+  }
+
+  void strike(Kind kind, Process& host) {
+    switch (kind) {
+      case Kind::kill:
+        return host.signal(SIGKILL);
+      case Kind::first_interrupt:
+        return host.signal(SIGINT);
+      case Kind::two_interrupts:
+        host.signal(SIGINT);
+        testing::sleep_for(std::chrono::milliseconds(draws_.between(0, 300)));
+        return host.signal(SIGINT);
+      case Kind::terminate:
+        return host.signal(SIGTERM);
+      case Kind::quit:
+        return host.signal(SIGQUIT);
+      case Kind::firmware_killed:
+        if (const pid_t worker = bench_.worker(); worker != 0) ::kill(worker, SIGKILL);
+        return host.signal(SIGKILL);
+      case Kind::full_disk:
+        return;
+    }
+  }
+
+  void nothing_is_fired_once_it_has_them() {
+    const std::size_t before = shots_in_journals().size();
+    std::vector<std::string> words{"fire", "--session", folder(), "--until", std::to_string(trial_.shots)};
+    const auto again = testing::run_process(bench_.strobe(words), kSeriesEnds);
+    outcome_.words += again.err;
+    if (again.status != ExitStatus({0, 0})) violate("a session that has its shots is not told to be done");
+    if (shots_in_journals().size() != before) violate("a shot was fired that was not wanted");
+  }
+
+  /// All that were begun, and whether they came to an end.
+  std::map<ShotKey, bool> shots_in_journals() const {
+    std::map<ShotKey, bool> shots;
+    for (const auto& entry : std::filesystem::directory_iterator(bench_.session())) {
+      if (!entry.path().filename().string().starts_with("journal-")) continue;
+      const hil::LogContents journal = hil::read_log(entry.path());
+      for (const auto& event : journal.events) {
+        if (event.kind == strobe_msgs::event_t::SHOT_STARTED)
+          shots.try_emplace({event.boot_id, event.shot_id}, false);
+      }
+      for (const auto& shot : journal.shots) shots[{shot.boot_id, shot.shot_id}] = true;
+    }
+    return shots;
+  }
+
+  void judge() {
+    const auto table = testing::read_csv(folder() / "results.csv");
+    std::map<ShotKey, int> rows;
+    std::map<ShotKey, bool> counts;
+    for (const auto& row : table.rows) {
+      const ShotKey key{static_cast<std::int64_t>(std::stoull(row.at(table.column("boot_id")), nullptr, 16)),
+                        std::stoi(row.at(table.column("shot_id")))};
+      if (++rows[key] == 2) violate(fmt::format("shot {} is in the table twice", key.shot_id));
+      counts[key] = row.at(table.column("rejected")).empty();
+      outcome_.counted += counts[key] ? 1 : 0;
+    }
+    outcome_.in_table = static_cast<int>(table.rows.size());
+    if (outcome_.counted != trial_.shots)
+      violate(fmt::format("{} shots count, and {} were asked for", outcome_.counted, trial_.shots));
+    const auto fired = shots_in_journals();
+    for (const auto& [key, ended] : fired) {
+      ++outcome_.fired;
+      outcome_.cut_off += ended ? 0 : 1;
+      if (!rows.contains(key)) violate(fmt::format("shot {} was fired and is in no row", key.shot_id));
+    }
+    for (const auto& [key, count] : rows)
+      if (!fired.contains(key))
+        violate(fmt::format("shot {} is in the table and in no journal", key.shot_id));
+    if (!log_lost_) judge_by_the_logs(counts);
+    std::set<int> numbers;
+    for (const auto& [key, count] : rows) numbers.insert(key.shot_id);
+    int nameless = 0;  // the simulator knows a shot's number from its summary
+    for (const auto& truth : bench_.truths()) {
+      const int id = truth.at("shot_id").get<int>();
+      nameless += id == 0 ? 1 : 0;
+      if (id != 0 && !numbers.contains(id))
+        violate(fmt::format("the ball of shot {} was thrown and is in no row", id));
+    }
+    if (nameless > outcome_.cut_off)
+      violate(fmt::format("{} balls were thrown in shots without an end, of which there are {}", nameless,
+                          outcome_.cut_off));
+  }
+
+  /// The folder read back, as every other command does: the same shots, and the same of them count.
+  void judge_by_the_logs(const std::map<ShotKey, bool>& counts) {
+    const auto session = host::read_session(folder(), {bench_.rig_file(), "", {}});
+    if (!session) return violate("the session cannot be read back: " + session.error().message);
+    std::map<ShotKey, bool> read;
+    for (const host::StoredShot& shot : session->shots) read[shot.key] = !shot.result.rejected;
+    for (const auto& [key, counted] : counts) {
+      if (!read.contains(key)) {
+        violate(fmt::format("shot {} is in the table and is not read back from the folder", key.shot_id));
+      } else if (read.at(key) != counted) {
+        violate(fmt::format("shot {} {} in the table, and read back from the folder it {}", key.shot_id,
+                            counted ? "counts" : "does not count", counted ? "does not" : "does"));
+      }
+    }
+    for (const auto& [key, counted] : read)
+      if (!counts.contains(key)) violate(fmt::format("shot {} is read back and is in no row", key.shot_id));
+  }
+
+  void report() {
+    outcome_.trial += fmt::format("; {} fired, {} without an end, {} rows, {} count", outcome_.fired,
+                                  outcome_.cut_off, outcome_.in_table, outcome_.counted);
+    outcome_.rows = {{"shots by", trial_.photographs ? "photographs" : "the tablet"}};
+    outcome_.counts = {{"fired", 1.0 * outcome_.fired},
+                       {"without an end", 1.0 * outcome_.cut_off},
+                       {"rows", 1.0 * outcome_.in_table},
+                       {"count", 1.0 * outcome_.counted}};
+  }
+
+  const Trial& trial_;
+  Draws& draws_;
+  testing::TemporaryFolder camera_;
+  RigFixture bench_;
+  bool log_lost_ = false;  ///< what the host heard could not all be kept, and it said so
+  Outcome outcome_;
+};
+
+}  // namespace
+
+Trial drawn(const Trial& wanted, const Draws& draws) {
+  Trial trial = wanted;
+  trial.photographs = trial.photographs || draws.number() % 4 == 0;
+  return trial;
+}
+
+Outcome run_trial(const Trial& trial, Draws& draws) { return Session(trial, draws).run(); }
+
+}  // namespace strobe::resume

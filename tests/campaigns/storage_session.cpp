@@ -1,0 +1,332 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <fstream>
+#include <lcm/lcm-cpp.hpp>
+#include <map>
+#include <new>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include "common/config/files.hpp"
+#include "host/loop/stored_series.hpp"
+#include "host/session/results_csv.hpp"
+#include "host/session/run_lock.hpp"
+#include "tests/campaigns/scripted_bench.hpp"
+#include "tests/campaigns/storage.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace strobe::storage {
+namespace {
+
+namespace fs = std::filesystem;
+using Message = ScriptedBench::Message;
+
+constexpr std::int64_t kHost = 0x1234;
+constexpr int kShots = 3;
+constexpr Duration kLongest = std::chrono::minutes{5};  // of the bench's clock; a series takes some 10 s
+constexpr const char* kFirstUtc = "20260131T093000Z";
+constexpr const char* kUtc = "20260131T100000Z";
+
+struct Told final : host::HostListener {
+  explicit Told(const ScriptedBench& bench) : bench_(bench) {}
+  void on_notification(const std::string& text) override {
+    if (text.starts_with("the series ends")) return;
+    lines.emplace_back(bench_.now(), text);
+  }
+  void on_shot_result(const host::ShotResult& result) override { results.push_back(result.shot_id); }
+  std::vector<std::pair<Duration, std::string>> lines;
+  std::vector<int> results;
+
+ private:
+  const ScriptedBench& bench_;
+};
+
+/// What a run of the host left behind, beside the disk.
+struct Run {
+  explicit Run(int shots_before) : bench(key, shots_before), told(bench) {}
+  authentication::Key key = authentication::Key::random();
+  ScriptedBench bench;
+  Told told;
+  std::string refused;
+  std::optional<Duration> failed_at;  ///< of the first call that failed
+  bool succeeded = false, finished = false;
+  bool taken_away = false;
+  bool out_of_memory = false;  ///< ended by it, as the program would
+  std::vector<std::string> unstored;
+};
+
+/// Removes or renames the folder or a file of it, as a person may in the middle of a series. At the so many-th of
+/// the host's turns, in tens. True: done now.
+bool take_away(const testing::DiskFault& fault, const fs::path& folder, int turn) {
+  if (turn != 10 * fault.nth) return false;
+  std::error_code error;
+  if (fault.call == "rename folder") {
+    fs::rename(folder, folder.string() + "-moved", error);
+  } else if (fault.call == "remove folder") {
+    fs::remove_all(folder, error);
+  } else if (fault.call == "remove file") {
+    fs::remove(folder / fault.file, error);
+  } else {
+    return false;
+  }
+  return !error;
+}
+
+void fire(Run& run, const fs::path& folder, const char* utc, int shots, const testing::DiskFault& fault) {
+  const auto lock = host::RunLock::of_session(folder, "ann@lab", WallTime{});
+  if (!lock) {
+    run.refused = lock.error().message;
+    return;
+  }
+  auto opened = host::SessionFolder::open(folder, utc, "rig = \"bench\"\n", "train = \"free\"\n",
+                                          {"camera.toml", "px_per_m = 9\n"});
+  if (!opened) {
+    run.refused = opened.error().message;
+    return;
+  }
+  host::HostLoopSettings settings{"bench", {}, kHost, true, run.key};
+  settings.assembly.machine_lag_s = host_test::kMachineLag_s;
+  host::ShotSeriesSettings series;
+  series.shots = shots;
+  host::StoredSeries stored(settings, series, **opened, run.bench, run.bench);
+  stored.loop().add_listener(run.told);
+  int turn = 0;
+  const auto watch = [&] {
+    run.taken_away = run.taken_away || take_away(fault, folder, ++turn);
+    if (!run.failed_at && (run.taken_away || testing::disk_faults_injected() > 0))
+      run.failed_at = run.bench.now();
+  };
+  const Duration end = run.bench.now() + kLongest;
+  try {
+    while (!stored.runner().finished() && run.bench.now() < end) {
+      stored.run_once();
+      watch();
+    }
+    run.finished = stored.runner().finished();
+    stored.close();
+  } catch (const std::bad_alloc&) {
+    stored.abandon();
+    throw;
+  }
+  if (!run.failed_at && testing::disk_faults_injected() > 0) run.failed_at = run.bench.now();
+  run.succeeded = stored.runner().series().succeeded();
+  run.unstored = stored.unstored();
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+struct Log {
+  std::vector<Message> messages;
+  std::uintmax_t bytes = 0;  ///< of whole records
+};
+
+Log read_log(const fs::path& path) {
+  constexpr std::uintmax_t kHeader_bytes = 28;
+  Log contents;
+  std::error_code error;
+  if (!fs::exists(path, error)) return contents;
+  lcm::LogFile log(path.string(), "r");
+  while (const lcm::LogEvent* event = log.readNextEvent()) {
+    const auto* data = static_cast<const std::uint8_t*>(event->data);
+    contents.messages.emplace_back(event->channel, std::vector<std::uint8_t>(data, data + event->datalen));
+    contents.bytes += kHeader_bytes + event->channel.size() + static_cast<std::uintmax_t>(event->datalen);
+  }
+  return contents;
+}
+
+/// How many of `wanted` are not in `there`, which must be some of them in order; -1: it is not.
+int missing(const std::vector<Message>& wanted, const std::vector<Message>& there) {
+  std::size_t found = 0;
+  for (const Message& message : wanted) {
+    if (found < there.size() && there[found] == message) ++found;
+  }
+  return found == there.size() ? static_cast<int>(wanted.size() - found) : -1;
+}
+
+struct Before {
+  std::string log, results, flashes;
+  explicit Before(const fs::path& folder)
+      : log(testing::read_text(folder / (std::string("host-") + kFirstUtc + ".lcmlog"))),
+        results(testing::read_text(folder / "results.csv")),
+        flashes(testing::read_text(folder / "flashes.csv")) {}
+};
+
+class Judge {
+ public:
+  Judge(const fs::path& folder, const testing::DiskFault& fault, const Run& run, const Before& before)
+      : folder_(folder), fault_(fault), run_(run), before_(before) {}
+
+  Outcome outcome() {
+    if (run_.out_of_memory) return judge_unfinished();
+    if (run_.taken_away) {
+      judge_what_is_gone();
+    } else {
+      keeps_what_was_stored();
+      judge_log();
+      judge_tables();
+    }
+    judge_words();
+    const bool reached = testing::disk_faults_injected() > 0 || run_.taken_away;
+    outcome_.told = first_told();
+    outcome_.ending = !run_.refused.empty()   ? Ending::refused
+                      : !reached              ? Ending::not_reached
+                      : outcome_.told.empty() ? Ending::harmless
+                      : run_.unstored.empty() ? Ending::told_stored
+                                              : Ending::told_unstored;
+    return std::move(outcome_);
+  }
+
+ private:
+  template <typename... Args>
+  void violated(fmt::format_string<Args...> format, Args&&... args) {
+    outcome_.violations.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
+  std::string first_told() const {
+    if (!run_.refused.empty()) return run_.refused;
+    if (!run_.told.lines.empty()) return run_.told.lines.front().second;
+    return run_.unstored.empty() ? "" : run_.unstored.front();
+  }
+
+  void keeps_what_was_stored() {
+    const Before now(folder_);
+    if (now.log != before_.log) violated("the earlier log has changed");
+    if (!now.results.starts_with(before_.results)) violated("earlier results are lost");
+    if (!now.flashes.starts_with(before_.flashes)) violated("earlier flashes are lost");
+  }
+
+  /// The program has said that there is not enough memory, and ended.
+  Outcome judge_unfinished() {
+    keeps_what_was_stored();
+    const fs::path path = folder_ / (std::string("host-") + kUtc + ".lcmlog");
+    const Log log = read_log(path);
+    std::error_code error;
+    if (fs::exists(path, error) && fs::file_size(path, error) != log.bytes)
+      violated("the log holds a torn record");
+    if (missing(run_.bench.messages(), log.messages) < 0) violated("the log holds what never came");
+    if (run_.bench.armed()) violated("left armed");
+    outcome_.ending = Ending::told_unstored;
+    outcome_.told = "not enough memory";
+    return std::move(outcome_);
+  }
+
+  void judge_what_is_gone() {
+    if (run_.unstored.empty()) violated("what is gone is not named");
+    if (run_.told.lines.empty()) return violated("what is gone was not told");
+    if (run_.told.lines.front().first > *run_.failed_at + std::chrono::seconds{1}) violated("told too late");
+  }
+
+  void judge_log() {
+    if (!run_.refused.empty()) return;
+    const fs::path path = folder_ / (std::string("host-") + kUtc + ".lcmlog");
+    const Log log = read_log(path);
+    const int lost = missing(run_.bench.messages(), log.messages);
+    if (lost < 0) violated("the log holds what never came");
+    std::error_code error;
+    if (fs::file_size(path, error) != log.bytes && !mentions(path.filename()))
+      violated("the log holds a torn record, untold");
+    lost_at(path.filename(), lost);
+  }
+
+  void judge_tables() {
+    if (!run_.refused.empty()) return;
+    std::set<std::string> rows, flashes;
+    const auto results = lines_of(testing::read_text(folder_ / "results.csv"));
+    for (std::size_t i = lines_of(before_.results).size(); i < results.size(); ++i)
+      rows.insert(results[i].substr(results[i].find(',') + 1, 5));
+    int lost = 0;
+    for (const int shot : run_.told.results)
+      lost += !rows.contains(fmt::format("{:x},{},", ScriptedBench::kBoot + 1, shot).substr(0, 5));
+    lost_at("results.csv", lost);
+    const std::string text = testing::read_text(folder_ / "flashes.csv");
+    lost = 0;
+    for (const auto& shot : run_.bench.shots()) lost += text.find(host::flashes_lines(shot)) == text.npos;
+    lost_at("flashes.csv", lost);
+    for (const char* table : {"results.csv", "flashes.csv"}) {
+      const std::string all = testing::read_text(folder_ / table);
+      const auto lines = lines_of(all);
+      const auto commas = [](const std::string& line) { return std::ranges::count(line, ','); };
+      const bool torn = !all.empty() && all.back() != '\n';
+      const bool uneven = std::ranges::any_of(
+          lines, [&](const std::string& line) { return commas(line) != commas(lines.front()); });
+      if ((torn || uneven) && !mentions(table)) violated("{} has a torn line, untold", table);
+    }
+  }
+
+  bool mentions(const std::string& file) const {
+    return std::ranges::any_of(run_.unstored,
+                               [&](const std::string& line) { return line.find(file) != line.npos; });
+  }
+
+  /// So many records are missing in the file.
+  void lost_at(const std::string& file, int lost) {
+    if (lost <= 0) return;
+    if (!mentions(file)) violated("{}: {} records are lost and not named in the end", file, lost);
+    const auto line = std::ranges::find_if(
+        run_.told.lines, [&](const auto& told) { return told.second.find(file) != told.second.npos; });
+    if (line == run_.told.lines.end()) return violated("{}: a loss was not told", file);
+    if (run_.failed_at && line->first > *run_.failed_at + std::chrono::seconds{1})
+      violated("{}: told too late", file);
+  }
+
+  void judge_words() {
+    if (!run_.refused.empty()) {
+      if (!run_.bench.fires().empty()) violated("fired without a session");
+      return;
+    }
+    if (!run_.finished) violated("the series did not end");
+    if (!run_.told.lines.empty()) {
+      for (const Duration fire : run_.bench.fires())
+        if (fire > run_.told.lines.front().first) violated("fired after a failure was told");
+    }
+    const bool doubtful = fault_.error != EINTR && (fault_.call == "fsync" || fault_.call == "close");
+    if (doubtful && testing::disk_faults_injected() > 0 && run_.unstored.empty())
+      violated("what may be lost is not named");
+    const bool quiet = run_.told.lines.empty() && run_.unstored.empty();
+    if (quiet && !run_.succeeded) violated("did not succeed, without a word");
+    if (testing::disk_faults_injected() == 0 && !run_.taken_away && !quiet)
+      violated("told a failure that was none");
+  }
+
+  const fs::path& folder_;
+  const testing::DiskFault& fault_;
+  const Run& run_;
+  const Before& before_;
+  Outcome outcome_;
+};
+
+}  // namespace
+
+Outcome run_session(const fs::path& folder, const testing::DiskFault& fault) {
+  testing::clear_disk_fault();
+  {
+    Run first(0);
+    fire(first, folder, kFirstUtc, 1, {});
+    std::string words = first.refused;
+    for (const auto& [when, line] : first.told.lines) words += line + "; ";
+    for (const std::string& line : first.unstored) words += line + "; ";
+    if (!first.succeeded || !words.empty()) throw std::runtime_error("the run without a fault: " + words);
+  }
+  const Before before(folder);
+  Run run(1);
+  testing::set_disk_fault(fault);
+  try {
+    fire(run, folder, kUtc, kShots, fault);
+  } catch (const std::bad_alloc&) {
+    run.out_of_memory = true;
+  }
+  testing::clear_disk_fault();
+  return Judge(folder, fault, run, before).outcome();
+}
+
+}  // namespace strobe::storage
