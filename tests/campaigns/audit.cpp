@@ -1,7 +1,5 @@
 #include "tests/campaigns/audit.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 #include <set>
@@ -59,7 +57,7 @@ class Auditor {
       shot_t shot{};
       if (decode(record, "/EVENT", event)) {
         if (event.sequence != expected)
-          violate("{}: event {} follows {}", path.filename().string(), event.sequence, expected - 1);
+          audit_.violate("{}: event {} follows {}", path.filename().string(), event.sequence, expected - 1);
         expected = event.sequence + 1;
         if (record.wall_us >= newest_us_) {
           newest_us_ = record.wall_us;
@@ -85,9 +83,10 @@ class Auditor {
       if (decode(record, "/EVENT", event)) {
         const auto journalled = journalled_.find({event.boot_id, event.sequence});
         if (journalled == journalled_.end()) {
-          violate("event {} of boot {:x} is on the host and in no journal", event.sequence, event.boot_id);
+          audit_.violate("event {} of boot {:x} is on the host and in no journal", event.sequence,
+                         event.boot_id);
         } else if (!std::ranges::equal(journalled->second, authentication::message_of(record.bytes))) {
-          violate("event {} of boot {:x} differs from its journal", event.sequence, event.boot_id);
+          audit_.violate("event {} of boot {:x} differs from its journal", event.sequence, event.boot_id);
         }
         here_.insert({event.boot_id, event.sequence});
       } else if (decode(record, "/SHOT", shot)) {
@@ -110,13 +109,13 @@ class Auditor {
         continue;
       }
       ++audit_.missing;
-      violate("event {} of boot {:x} is in the journal and on no host", key.second, key.first);
+      audit_.violate("event {} of boot {:x} is in the journal and on no host", key.second, key.first);
     }
     audit_.shots = static_cast<int>(shots_.size());
     for (const auto& [key, range] : shots_) {
       if (shots_here_.contains(key) || !due(key.boot_id, range.last)) continue;
       ++audit_.shots_missing;
-      violate("the summary of shot {} is in the journal and on no host", key.shot_id);
+      audit_.violate("the summary of shot {} is in the journal and on no host", key.shot_id);
     }
     for (const ShotKey& key : started_)
       if (!shots_.contains(key)) account_for(key);
@@ -124,11 +123,6 @@ class Auditor {
   }
 
  private:
-  template <typename... Args>
-  void violate(fmt::format_string<Args...> format, Args&&... args) {
-    audit_.violations.push_back(fmt::format(format, std::forward<Args>(args)...));
-  }
-
   bool due(std::int64_t boot, std::int64_t sequence) const {
     const auto heard = heard_.find(boot);
     return boot != newest_boot_ || heard == heard_.end() || sequence <= heard->second;
@@ -139,14 +133,14 @@ class Auditor {
     ++audit_.readouts;
     if (!read_out_.insert(key).second) {
       ++audit_.twice;
-      violate("shot {} of boot {:x} was read out twice", key.shot_id, key.boot_id);
+      audit_.violate("shot {} of boot {:x} was read out twice", key.shot_id, key.boot_id);
     }
     const bool flagged =
         std::find(readout.flags.begin(), readout.flags.end(), "events_missing") != readout.flags.end();
     audit_.flagged += flagged ? 1 : 0;
     if (flagged || whole(key)) return;
     ++audit_.incomplete_unflagged;
-    violate("shot {} was read out with events missing, and no flag says so", key.shot_id);
+    audit_.violate("shot {} was read out with events missing, and no flag says so", key.shot_id);
   }
 
   bool whole(const ShotKey& key) const {
@@ -167,7 +161,7 @@ class Auditor {
     if (reported)
       ++audit_.cut_off_reported;
     else
-      violate("nobody said that shot {} has no end", key.shot_id);
+      audit_.violate("nobody said that shot {} has no end", key.shot_id);
   }
 
   Audit audit_;

@@ -5,14 +5,13 @@
 // newest status that the host has heard: it could not know of more. Of earlier boots it must have everything.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <string>
-#include <vector>
+
+#include "tests/campaigns/campaign.hpp"
 
 namespace strobe::loss {
 
-struct Audit {
+struct Audit : campaigns::Verdict {
   int boots = 0;
   std::int64_t journalled = 0;   ///< events in the journals
   std::int64_t missing = 0;      ///< of them, on no host in the end
@@ -26,7 +25,6 @@ struct Audit {
   int flagged = 0;               ///< of them, with events_missing
   int twice = 0;                 ///< shots that were read out more than once
   int incomplete_unflagged = 0;  ///< readouts without that flag when events of their shot were not yet here
-  std::vector<std::string> violations;  ///< in words; empty: all that must hold does
 };
 
 /// firmware: the folder of the journals. host: that of the host's logs, in the order of their names.

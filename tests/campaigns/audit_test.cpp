@@ -6,6 +6,7 @@
 #include <strobe_msgs/shot_t.hpp>
 #include <strobe_msgs/status_t.hpp>
 
+#include "common/messages/encode.hpp"
 #include "firmware/publisher/journal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -19,47 +20,50 @@ namespace {
 
 constexpr std::int64_t kBoot = 7;
 
-template <typename Content>
-firmware::Message message(const std::string& kind, const Content& content) {
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(content.getEncodedSize()));
-  content.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return {firmware::Message::Kind::event, {}, "STROBE/bench/" + kind, bytes};
+/// With what `fill` puts into it.
+template <typename Content, typename Fill>
+firmware::Message message(const std::string& kind, const Fill& fill) {
+  Content content{};
+  content.boot_id = kBoot;
+  fill(content);
+  return {firmware::Message::Kind::event, {}, "STROBE/bench/" + kind, messages::encode(content)};
 }
 
 firmware::Message event(std::int64_t sequence, std::int8_t kind = event_t::FLASH, std::int32_t shot_id = 0,
                         const std::string& detail = "") {
-  event_t content{};
-  content.boot_id = kBoot;
-  content.sequence = sequence;
-  content.kind = kind;
-  content.shot_id = shot_id;
-  content.detail = detail;
-  return message("EVENT", content);
+  return message<event_t>("EVENT", [&](event_t& event) {
+    event.sequence = sequence;
+    event.kind = kind;
+    event.shot_id = shot_id;
+    event.detail = detail;
+  });
 }
 
 firmware::Message shot(std::int32_t shot_id, std::int64_t first, std::int64_t last) {
-  strobe_msgs::shot_t content{};
-  content.boot_id = kBoot;
-  content.shot_id = shot_id;
-  content.first_sequence = first;
-  content.last_sequence = last;
-  return message("SHOT", content);
+  return message<strobe_msgs::shot_t>("SHOT", [&](auto& shot) {
+    shot.shot_id = shot_id;
+    shot.first_sequence = first;
+    shot.last_sequence = last;
+  });
 }
 
 firmware::Message status(std::int64_t last_sequence) {
-  strobe_msgs::status_t content{};
-  content.boot_id = kBoot;
-  content.last_sequence = last_sequence;
-  return message("STATUS", content);
+  return message<strobe_msgs::status_t>("STATUS",
+                                        [&](auto& status) { status.last_sequence = last_sequence; });
 }
 
 firmware::Message readout(std::int32_t shot_id, bool flagged) {
-  strobe_msgs::readout_t content{};
-  content.boot_id = kBoot;
-  content.shot_id = shot_id;
-  if (flagged) content.flags.emplace_back("events_missing");
-  content.flag_count = static_cast<std::int32_t>(content.flags.size());
-  return message("READOUT", content);
+  return message<strobe_msgs::readout_t>("READOUT", [&](auto& readout) {
+    readout.shot_id = shot_id;
+    if (flagged) readout.flags.emplace_back("events_missing");
+    readout.flag_count = flagged ? 1 : 0;
+  });
+}
+
+/// The same message by another boot.
+firmware::Message of_next_boot(firmware::Message message) {
+  message.bytes[19] = kBoot + 1;  // the boot's last byte
+  return message;
 }
 
 }  // namespace
@@ -110,11 +114,9 @@ TEST(Audit, ExpectsOfTheNewestBootWhatItsLastHeardStatusTellsOf) {
 }
 
 TEST(Audit, ExpectsEverythingOfAnEarlierBoot) {
-  firmware::Message of_next_boot = event(1);
-  of_next_boot.bytes[19] = 8;  // the boot's last byte
   journal({event(1), event(2)});
-  journal({of_next_boot});
-  host({event(1), status(1), of_next_boot});
+  journal({of_next_boot(event(1))});
+  host({event(1), status(1), of_next_boot(event(1))});
   LONGS_EQUAL(1, result().missing);
 }
 
@@ -140,12 +142,10 @@ TEST(Audit, WantsAShotWithoutAnEndToBeTold) {
   LONGS_EQUAL(1, result().cut_off);
   LONGS_EQUAL(0, result().cut_off_reported);
   LONGS_EQUAL(1, result().violations.size());
-  const auto reported = event(1, event_t::REPAIRED, 0,
-                              "boot 0000000000000007: shot 4 has no end; what came after event 1 is lost");
-  firmware::Message of_next_boot = reported;
-  of_next_boot.bytes[19] = 8;  // the boot's last byte
-  journal({of_next_boot});
-  host({of_next_boot});
+  const auto reported = of_next_boot(event(
+      1, event_t::REPAIRED, 0, "boot 0000000000000007: shot 4 has no end; what came after event 1 is lost"));
+  journal({reported});
+  host({reported});
   LONGS_EQUAL(1, result().cut_off_reported);
   LONGS_EQUAL(0, result().violations.size());
 }

@@ -1,7 +1,5 @@
 #include "tests/campaigns/campaign.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <stdexcept>
 
@@ -25,7 +23,7 @@ Verdict judged(const Judge& judge, std::uint64_t seed, int number) {
     return judge(draws);
   } catch (const std::runtime_error& error) {
     Verdict verdict;
-    verdict.violations.emplace_back(error.what());
+    verdict.violate("{}", error.what());
     return verdict;
   }
 }

@@ -2,6 +2,8 @@
 // What is tried and what must hold are the judges', in the files beside this one. One thread.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -46,6 +48,11 @@ struct Verdict {
   std::string words;                        ///< what the programs said, for who looks for the cause
   std::map<std::string, std::string> rows;  ///< by the title of a table: the row that it counts in
   std::vector<Count> counts;                ///< the same ones in every trial of a campaign
+
+  template <typename... Args>
+  void violate(fmt::format_string<Args...> format, Args&&... args) {
+    violations.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
 };
 
 using Judge = std::function<Verdict(Draws&)>;

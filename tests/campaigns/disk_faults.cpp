@@ -1,6 +1,5 @@
 #include "tests/campaigns/disk_faults.hpp"
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -82,14 +81,27 @@ std::optional<DiskFault> due_at(std::string_view call, const char* path) {
   return armed ? due(call, path) : std::nullopt;
 }
 
-template <typename Function>
-Function* next(const char* name) {
-  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
-}
-
 int failing(const DiskFault& fault) {
   errno = fault.error;
   return -1;
+}
+
+/// Calls the function with the name and the value of each.
+template <typename Fault, typename Function>
+void each_field(Fault& fault, const Function& function) {
+  function("folder", fault.folder);
+  function("file", fault.file);
+  function("call", fault.call);
+  function("nth", fault.nth);
+  function("times", fault.times);
+  function("error", fault.error);
+  function("short", fault.short_bytes);
+  function("truncate_too", fault.truncate_too);
+}
+void read(const std::string& text, std::string& field) { field = text; }
+template <typename Number>
+void read(const std::string& text, Number& field) {
+  field = static_cast<Number>(std::atoi(text.c_str()));
 }
 
 /// A preloaded program's fault comes from its environment.
@@ -103,31 +115,23 @@ const bool kFromEnvironment = [] {
 }  // namespace
 
 std::optional<DiskFault> parse_disk_fault(const std::string& text) {
-  if (text.empty()) return std::nullopt;
   DiskFault fault;
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ',');) {
     const std::size_t at = part.find('=');
     if (at == part.npos) return std::nullopt;
-    const std::string key = part.substr(0, at), value = part.substr(at + 1);
-    const int number = std::atoi(value.c_str());
-    if (key == "folder") fault.folder = value;
-    if (key == "file") fault.file = value;
-    if (key == "call") fault.call = value;
-    if (key == "nth") fault.nth = number;
-    if (key == "times") fault.times = number;
-    if (key == "error") fault.error = number;
-    if (key == "short") fault.short_bytes = number;
-    if (key == "truncate_too") fault.truncate_too = number != 0;
+    each_field(fault, [key = part.substr(0, at), value = part.substr(at + 1)](const char* name, auto& field) {
+      if (key == name) read(value, field);
+    });
   }
   return fault.call.empty() ? std::nullopt : std::optional(fault);
 }
 
 std::string to_text(const DiskFault& fault) {
   std::ostringstream text;
-  text << "folder=" << fault.folder << ",file=" << fault.file << ",call=" << fault.call
-       << ",nth=" << fault.nth << ",times=" << fault.times << ",error=" << fault.error
-       << ",short=" << fault.short_bytes << ",truncate_too=" << fault.truncate_too;
+  each_field(fault, [&text](const char* name, const auto& field) {
+    text << (text.tellp() > 0 ? "," : "") << name << "=" << field;
+  });
   return text.str();
 }
 
@@ -169,14 +173,6 @@ void* operator new(std::size_t size) {
 
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-
-namespace {
-
-mode_t mode_argument(int flags, va_list more) {
-  return (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(more, mode_t) : 0;
-}
-
-}  // namespace
 
 extern "C" {
 
@@ -230,7 +226,7 @@ int link(const char* from, const char* to) noexcept {
 int open(const char* path, int flags, ...) {
   va_list more;
   va_start(more, flags);
-  const mode_t mode = mode_argument(flags, more);
+  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(more, mode_t) : 0;
   va_end(more);
   if ((flags & (O_WRONLY | O_RDWR)) != 0) {
     if (const auto fault = due_at("open", path)) return failing(*fault);
@@ -238,12 +234,6 @@ int open(const char* path, int flags, ...) {
   return static_cast<int>(syscall(SYS_openat, AT_FDCWD, path, flags, mode));
 }
 
-int open64(const char* path, int flags, ...) {
-  va_list more;
-  va_start(more, flags);
-  const mode_t mode = mode_argument(flags, more);
-  va_end(more);
-  return open(path, flags, mode);
-}
+int open64(const char* path, int flags, ...) __attribute__((alias("open")));
 
 }  // extern "C"

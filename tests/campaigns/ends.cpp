@@ -274,8 +274,7 @@ class Attempt {
       if (level != 0) judge_interval(outcome, output, since, INT64_MAX, at_once);
     }
     if (changes.rises("TRIGGER") > fired_)
-      outcome.violations.push_back(
-          fmt::format("{} trigger pulses for {} shots", changes.rises("TRIGGER"), fired_));
+      outcome.violate("{} trigger pulses for {} shots", changes.rises("TRIGGER"), fired_);
     judge_journal(outcome);
   }
 
@@ -285,8 +284,8 @@ class Attempt {
     if (to > settled_) {
       // On a machine that stood still a shot can begin so late that the end of the trial cuts it off.
       if (settled_ - due <= stated_ns(trial_)) return;
-      outcome.violations.push_back(fmt::format("{} active {} ms after the fault, when the trial ended",
-                                               output, (settled_ - put_) / kMs));
+      outcome.violate("{} active {} ms after the fault, when the trial ended", output,
+                      (settled_ - put_) / kMs);
       return;
     }
     outcome.overrun_ms = std::max(outcome.overrun_ms, static_cast<double>(to - due) / kMs);
@@ -298,11 +297,10 @@ class Attempt {
     std::int64_t expected = 1;
     for (const auto& event : hil::read_log(rig_.journal()).events) {
       if (event.sequence != expected)
-        outcome.violations.push_back(
-            fmt::format("the journal has event {} where {} was due", event.sequence, expected));
+        outcome.violate("the journal has event {} where {} was due", event.sequence, expected);
       expected = event.sequence + 1;
     }
-    if (expected == 1) outcome.violations.push_back("the journal has no event");
+    if (expected == 1) outcome.violate("the journal has no event");
   }
 
   const Trial& trial_;
@@ -333,8 +331,8 @@ Outcome run_trial_despite_freezes(const Trial& trial) {
   for (int again = 0; again < 2 && outcome.late && outcome.violations.empty(); ++again)
     outcome = run_trial(trial);
   if (outcome.late)
-    outcome.violations.push_back(fmt::format("active for {:.1f} ms too long, {} ms are stated",
-                                             outcome.overrun_ms, stated_ns(trial) / kMs));
+    outcome.violate("active for {:.1f} ms too long, {} ms are stated", outcome.overrun_ms,
+                    stated_ns(trial) / kMs);
   return outcome;
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 /// In the order of FaultKind: how often of 100, and in words.
 const std::vector<int> kWeights{40, 6, 8, 8, 12, 14, 2, 3, 2, 2, 3};
-constexpr std::array<const char*, 11> kFaults{"",
+constexpr std::array<const char*, 11> kFaults{"a signal",
                                               "stopped",
                                               "a thread stands still",
                                               "a thread ends",
@@ -32,30 +32,32 @@ struct Call {
   const char* name;
   int number;
 };
-
+#define CALL(name) \
+  Call { #name, SYS_##name }
 // What the firmware's threads use while they work; exit(2) and rt_sigreturn(2) cannot fail.
-constexpr std::array kCalls{Call{"read", SYS_read},
-                            Call{"write", SYS_write},
-                            Call{"pwrite64", SYS_pwrite64},
-                            Call{"fdatasync", SYS_fdatasync},
-                            Call{"fallocate", SYS_fallocate},
-                            Call{"ftruncate", SYS_ftruncate},
-                            Call{"openat", SYS_openat},
-                            Call{"ioctl", SYS_ioctl},
-                            Call{"sendto", SYS_sendto},
-                            Call{"sendmsg", SYS_sendmsg},
-                            Call{"recvmsg", SYS_recvmsg},
-                            Call{"ppoll", SYS_ppoll},
+constexpr std::array kCalls{CALL(read),
+                            CALL(write),
+                            CALL(pwrite64),
+                            CALL(fdatasync),
+                            CALL(fallocate),
+                            CALL(ftruncate),
+                            CALL(openat),
+                            CALL(ioctl),
+                            CALL(sendto),
+                            CALL(sendmsg),
+                            CALL(recvmsg),
+                            CALL(ppoll),
 #ifdef SYS_poll  // newer architectures have ppoll(2) only
-                            Call{"poll", SYS_poll},
+                            CALL(poll),
 #endif
-                            Call{"clock_nanosleep", SYS_clock_nanosleep},
-                            Call{"futex", SYS_futex},
-                            Call{"mmap", SYS_mmap},
-                            Call{"munmap", SYS_munmap},
-                            Call{"kill", SYS_kill},
-                            Call{"wait4", SYS_wait4},
-                            Call{"rt_sigtimedwait", SYS_rt_sigtimedwait}};
+                            CALL(clock_nanosleep),
+                            CALL(futex),
+                            CALL(mmap),
+                            CALL(munmap),
+                            CALL(kill),
+                            CALL(wait4),
+                            CALL(rt_sigtimedwait)};
+#undef CALL
 constexpr std::array kErrors{EIO, ENOSPC, EINTR, EAGAIN, ENOMEM, EBADF, EPERM};
 
 std::string signal_words(int number) {
@@ -101,17 +103,18 @@ Trial drawn(campaigns::Draws draws) {
 const char* name(Moment moment) { return kMoments[static_cast<std::size_t>(moment)]; }
 
 std::string family(const Trial& trial) {
-  if (trial.fault == FaultKind::signal) return fmt::format("{}, a signal", victim_of(trial));
+  std::string fault = kFaults[static_cast<std::size_t>(trial.fault)];
   if (trial.fault == FaultKind::failing_call)
-    return fmt::format("{}, {} fails", victim_of(trial), failing_call(trial.argument).name);
-  return describe_fault(trial);
+    fault = fmt::format("{} fails", failing_call(trial.argument).name);
+  return fmt::format("{}, {}", victim_of(trial), fault);
 }
 
 std::string describe_fault(const Trial& trial) {
-  std::string fault = kFaults[static_cast<std::size_t>(trial.fault)];
-  if (trial.fault == FaultKind::signal) fault = signal_words(trial.argument);
-  if (trial.fault == FaultKind::failing_call) fault = failing_call(trial.argument).words() + " fails";
-  return fmt::format("{}, {}", victim_of(trial), fault);
+  if (trial.fault == FaultKind::signal)
+    return fmt::format("{}, {}", victim_of(trial), signal_words(trial.argument));
+  if (trial.fault == FaultKind::failing_call)
+    return fmt::format("{}, {} fails", victim_of(trial), failing_call(trial.argument).words());
+  return family(trial);
 }
 
 std::string describe(const Trial& trial) {

@@ -11,12 +11,6 @@ using namespace strobe::ends;
 
 TEST_GROUP(DrawnEnds){};
 
-TEST(DrawnEnds, AreTheSameForTheSameSeedAndNumber) {
-  CHECK_EQUAL(describe(drawn({7, 3})), describe(drawn({7, 3})));
-  CHECK(describe(drawn({7, 3})) != describe(drawn({7, 4})));
-  CHECK(describe(drawn({7, 3})) != describe(drawn({8, 3})));
-}
-
 TEST(DrawnEnds, HaveEverySignalForEveryVictimAtEveryMoment) {
   std::set<std::string> signals, moments;
   for (int number = 1; number <= 5'000; ++number) {

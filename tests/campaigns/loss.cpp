@@ -42,8 +42,8 @@ class Lab {
     outcome_.audit = audit(bench_.session(), host_folder());
     outcome_.link = relay_.counts();
     outcome_.violations = outcome_.audit.violations;
-    if (!ended) outcome_.violations.emplace_back("the series did not end as ordered");
-    if (outcome_.audit.journalled == 0) outcome_.violations.emplace_back("the journals have no event");
+    if (!ended) outcome_.violate("the series did not end as ordered");
+    if (outcome_.audit.journalled == 0) outcome_.violate("the journals have no event");
     outcome_.words += bench_.log();
     return std::move(outcome_);
   }

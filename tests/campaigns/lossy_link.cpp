@@ -1,7 +1,6 @@
 #include "tests/campaigns/lossy_link.hpp"
 
 #include <arpa/inet.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -9,71 +8,50 @@
 #include <array>
 #include <stdexcept>
 
-#include "common/wire/channel_socket.hpp"
-
 namespace strobe::loss {
 
 namespace {
 
-wire::MulticastGroup group_of(const std::string& url) {
-  const auto read = wire::read_lcm_url(url);
-  if (!read) throw std::runtime_error(read.error().message);
-  return read->group;
+template <typename T>
+T value_of(Result<T> result) {
+  if (!result) throw std::runtime_error(result.error().message);
+  return std::move(*result);
 }
 
-wire::ChannelSocket every_channel_of(const wire::MulticastGroup& group) {
-  auto socket = wire::ChannelSocket::open(group, {"", false, ""});
-  if (!socket) throw std::runtime_error(socket.error().message);
-  const int room = 8 << 20;
-  setsockopt(socket->fd(), SOL_SOCKET, SO_RCVBUFFORCE, &room, sizeof room);
-  return std::move(*socket);
-}
+wire::MulticastGroup group_of(const std::string& url) { return value_of(wire::read_lcm_url(url)).group; }
 
 }  // namespace
 
-/// One network: hears its group, speaks to it from a port of its own.
-class MulticastEndpoint {
- public:
-  explicit MulticastEndpoint(const std::string& url)
-      : ear_(every_channel_of(group_of(url))), mouth_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    const wire::MulticastGroup group = group_of(url);
-    to_.sin_family = own_.sin_family = AF_INET;
-    to_.sin_port = htons(group.port);
-    inet_pton(AF_INET, group.address.c_str(), &to_.sin_addr);
-    const unsigned char ttl = 0;
-    setsockopt(mouth_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl);
-    socklen_t size = sizeof own_;
-    if (bind(mouth_, reinterpret_cast<const sockaddr*>(&own_), sizeof own_) != 0 ||
-        getsockname(mouth_, reinterpret_cast<sockaddr*>(&own_), &size) != 0)
-      throw std::runtime_error("no socket to relay by");
-  }
-  MulticastEndpoint(const MulticastEndpoint&) = delete;
-  MulticastEndpoint& operator=(const MulticastEndpoint&) = delete;
-  ~MulticastEndpoint() { close(mouth_); }
-
-  int fd() const { return ear_.fd(); }
-  auto receive() { return ear_.receive(); }
-  /// Its sender's port is the lower half of the number.
-  bool is_own(std::uint64_t sender) const { return static_cast<in_port_t>(sender) == own_.sin_port; }
-  void send(const std::vector<std::uint8_t>& datagram) {
-    sendto(mouth_, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&to_), sizeof to_);
-  }
-
- private:
-  wire::ChannelSocket ear_;
-  int mouth_;
-  sockaddr_in to_{}, own_{};
-};
+LossyLink::Network::Network(const std::string& url)
+    : ear(value_of(wire::ChannelSocket::open(group_of(url), {"", false, ""}))) {
+  const int room = 8 << 20;
+  setsockopt(ear.fd(), SOL_SOCKET, SO_RCVBUFFORCE, &room, sizeof room);
+  group.sin_family = AF_INET;
+  group.sin_port = htons(group_of(url).port);
+  inet_pton(AF_INET, group_of(url).address.c_str(), &group.sin_addr);
+}
 
 LossyLink::LossyLink(const std::string& url_a, const std::string& url_b, const LinkFaults& faults,
                      std::uint64_t seed)
-    : a_(std::make_unique<MulticastEndpoint>(url_a)),
-      b_(std::make_unique<MulticastEndpoint>(url_b)),
+    : a_(url_a),
+      b_(url_b),
+      mouth_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)),
       faults_(faults),
-      random_(seed),
-      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+      random_(seed) {
+  own_.sin_family = AF_INET;
+  const unsigned char ttl = 0;
+  setsockopt(mouth_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl);
+  socklen_t size = sizeof own_;
+  if (bind(mouth_, reinterpret_cast<const sockaddr*>(&own_), size) != 0 ||
+      getsockname(mouth_, reinterpret_cast<sockaddr*>(&own_), &size) != 0)
+    throw std::runtime_error("no socket to relay by");
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
 
-LossyLink::~LossyLink() = default;
+LossyLink::~LossyLink() {
+  thread_ = {};
+  close(mouth_);
+}
 
 LinkCounts LossyLink::counts() const {
   const std::lock_guard lock(mutex_);
@@ -81,21 +59,22 @@ LinkCounts LossyLink::counts() const {
 }
 
 void LossyLink::run(const std::stop_token& stop) {
-  std::array<pollfd, 2> polled{{{a_->fd(), POLLIN, 0}, {b_->fd(), POLLIN, 0}}};
+  std::array<pollfd, 2> polled{{{a_.ear.fd(), POLLIN, 0}, {b_.ear.fd(), POLLIN, 0}}};
   while (!stop.stop_requested()) {
     poll(polled.data(), polled.size(), late_.empty() ? 50 : 1);
-    forward(*a_, *b_);
-    forward(*b_, *a_);
+    forward(a_, b_);
+    forward(b_, a_);
     while (!late_.empty() && late_.begin()->first <= Clock::now()) {
-      late_.begin()->second.to->send(late_.begin()->second.datagram);
+      send(*late_.begin()->second.to, late_.begin()->second.datagram);
       late_.erase(late_.begin());
     }
   }
 }
 
-void LossyLink::forward(MulticastEndpoint& from, MulticastEndpoint& to) {
-  while (const auto received = from.receive()) {
-    if (received->bytes.empty() || from.is_own(received->sender)) continue;
+void LossyLink::forward(Network& from, const Network& to) {
+  while (const auto received = from.ear.receive()) {
+    // Its port is the lower half of a sender's number.
+    if (received->bytes.empty() || static_cast<in_port_t>(received->sender) == own_.sin_port) continue;
     const Datagram datagram(received->bytes.begin(), received->bytes.end());
     const std::lock_guard lock(mutex_);
     ++counts_.came;
@@ -112,12 +91,17 @@ void LossyLink::forward(MulticastEndpoint& from, MulticastEndpoint& to) {
   }
 }
 
-void LossyLink::pass(MulticastEndpoint& to, const Datagram& datagram) {
-  if (!chance(faults_.reordering)) return to.send(datagram);
+void LossyLink::pass(const Network& to, const Datagram& datagram) {
+  if (!chance(faults_.reordering)) return send(to, datagram);
   ++counts_.delayed;
   const auto delay =
       std::chrono::milliseconds(std::uniform_int_distribution<int>(1, faults_.max_delay_ms)(random_));
   late_.emplace(Clock::now() + delay, Late{&to, datagram});
+}
+
+void LossyLink::send(const Network& to, const Datagram& datagram) const {
+  sendto(mouth_, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&to.group),
+         sizeof to.group);
 }
 
 }  // namespace strobe::loss

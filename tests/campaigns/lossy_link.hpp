@@ -3,16 +3,18 @@
 // any thread. Deterministic in its decisions from a seed and the order in which datagrams come.
 #pragma once
 
+#include <netinet/in.h>
+
 #include <atomic>
 #include <chrono>
-#include <cstdint>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <random>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "common/wire/channel_socket.hpp"
 
 namespace strobe::loss {
 
@@ -28,8 +30,6 @@ struct LinkCounts {
   std::int64_t cut = 0;  ///< came while the link was cut
 };
 
-class MulticastEndpoint;
-
 class LossyLink {
  public:
   /// Two URLs "udpm://GROUP:PORT?..." of different groups and ports. std::runtime_error: no multicast.
@@ -44,17 +44,25 @@ class LossyLink {
  private:
   using Clock = std::chrono::steady_clock;
   using Datagram = std::vector<std::uint8_t>;
+  struct Network {
+    explicit Network(const std::string& url);
+    wire::ChannelSocket ear;
+    sockaddr_in group{};
+  };
   struct Late {
-    MulticastEndpoint* to;
+    const Network* to;
     Datagram datagram;
   };
 
   void run(const std::stop_token& stop);
-  void forward(MulticastEndpoint& from, MulticastEndpoint& to);
-  void pass(MulticastEndpoint& to, const Datagram& datagram);
+  void forward(Network& from, const Network& to);
+  void pass(const Network& to, const Datagram& datagram);
+  void send(const Network& to, const Datagram& datagram) const;
   bool chance(double probability) { return std::bernoulli_distribution(probability)(random_); }
 
-  std::unique_ptr<MulticastEndpoint> a_, b_;
+  Network a_, b_;
+  int mouth_;          ///< speaks to both
+  sockaddr_in own_{};  ///< its address
   LinkFaults faults_;
   std::mt19937_64 random_;
   std::atomic<bool> cut_{false};

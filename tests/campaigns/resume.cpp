@@ -48,7 +48,7 @@ class Session {
     Process last(command({}), bench_.folder());
     const auto ended = last.wait(kSeriesEnds);
     outcome_.words += last.err();
-    if (ended != ExitStatus({0, 0})) violate("the session did not come to its shots");
+    if (ended != ExitStatus({0, 0})) outcome_.violate("the session did not come to its shots");
     nothing_is_fired_once_it_has_them();
     campaigns::take_down(bench_);
     judge();
@@ -58,7 +58,6 @@ class Session {
   }
 
  private:
-  void violate(std::string what) { outcome_.violations.push_back(std::move(what)); }
   std::filesystem::path folder() const { return bench_.folder() / "host"; }
 
   /// --resume where a run was recorded and the draw says so, else --until, which say the same here.
@@ -97,7 +96,7 @@ class Session {
     const int latest_ms = trial_.photographs ? 4000 : 900;
     if (kind != Kind::full_disk && reach_instant_of_a_shot(bench_, host, draws_, latest_ms))
       strike(kind, host);
-    if (!host.wait(kSeriesEnds)) violate("the host did not end after " + name);
+    if (!host.wait(kSeriesEnds)) outcome_.violate("the host did not end after {}", name);
     outcome_.words += host.err();
   }
 
@@ -128,8 +127,9 @@ class Session {
     std::vector<std::string> words{"fire", "--session", folder(), "--until", std::to_string(trial_.shots)};
     const auto again = testing::run_process(bench_.strobe(words), kSeriesEnds);
     outcome_.words += again.err;
-    if (again.status != ExitStatus({0, 0})) violate("a session that has its shots is not told to be done");
-    if (shots_in_journals().size() != before) violate("a shot was fired that was not wanted");
+    if (again.status != ExitStatus({0, 0}))
+      outcome_.violate("a session that has its shots is not told to be done");
+    if (shots_in_journals().size() != before) outcome_.violate("a shot was fired that was not wanted");
   }
 
   /// All that were begun, and whether they came to an end.
@@ -154,22 +154,21 @@ class Session {
     for (const auto& row : table.rows) {
       const ShotKey key{static_cast<std::int64_t>(std::stoull(row.at(table.column("boot_id")), nullptr, 16)),
                         std::stoi(row.at(table.column("shot_id")))};
-      if (++rows[key] == 2) violate(fmt::format("shot {} is in the table twice", key.shot_id));
+      if (++rows[key] == 2) outcome_.violate("shot {} is in the table twice", key.shot_id);
       counts[key] = row.at(table.column("rejected")).empty();
       outcome_.counted += counts[key] ? 1 : 0;
     }
     outcome_.in_table = static_cast<int>(table.rows.size());
     if (outcome_.counted != trial_.shots)
-      violate(fmt::format("{} shots count, and {} were asked for", outcome_.counted, trial_.shots));
+      outcome_.violate("{} shots count, and {} were asked for", outcome_.counted, trial_.shots);
     const auto fired = shots_in_journals();
     for (const auto& [key, ended] : fired) {
       ++outcome_.fired;
       outcome_.cut_off += ended ? 0 : 1;
-      if (!rows.contains(key)) violate(fmt::format("shot {} was fired and is in no row", key.shot_id));
+      if (!rows.contains(key)) outcome_.violate("shot {} was fired and is in no row", key.shot_id);
     }
     for (const auto& [key, count] : rows)
-      if (!fired.contains(key))
-        violate(fmt::format("shot {} is in the table and in no journal", key.shot_id));
+      if (!fired.contains(key)) outcome_.violate("shot {} is in the table and in no journal", key.shot_id);
     if (!log_lost_) judge_by_the_logs(counts);
     std::set<int> numbers;
     for (const auto& [key, count] : rows) numbers.insert(key.shot_id);
@@ -178,29 +177,29 @@ class Session {
       const int id = truth.at("shot_id").get<int>();
       nameless += id == 0 ? 1 : 0;
       if (id != 0 && !numbers.contains(id))
-        violate(fmt::format("the ball of shot {} was thrown and is in no row", id));
+        outcome_.violate("the ball of shot {} was thrown and is in no row", id);
     }
     if (nameless > outcome_.cut_off)
-      violate(fmt::format("{} balls were thrown in shots without an end, of which there are {}", nameless,
-                          outcome_.cut_off));
+      outcome_.violate("{} balls were thrown in shots without an end, of which there are {}", nameless,
+                       outcome_.cut_off);
   }
 
   /// The folder read back, as every other command does: the same shots, and the same of them count.
   void judge_by_the_logs(const std::map<ShotKey, bool>& counts) {
     const auto session = host::read_session(folder(), {bench_.rig_file(), "", {}});
-    if (!session) return violate("the session cannot be read back: " + session.error().message);
+    if (!session) return outcome_.violate("the session cannot be read back: {}", session.error().message);
     std::map<ShotKey, bool> read;
     for (const host::StoredShot& shot : session->shots) read[shot.key] = !shot.result.rejected;
     for (const auto& [key, counted] : counts) {
       if (!read.contains(key)) {
-        violate(fmt::format("shot {} is in the table and is not read back from the folder", key.shot_id));
+        outcome_.violate("shot {} is in the table and is not read back from the folder", key.shot_id);
       } else if (read.at(key) != counted) {
-        violate(fmt::format("shot {} {} in the table, and read back from the folder it {}", key.shot_id,
-                            counted ? "counts" : "does not count", counted ? "does not" : "does"));
+        outcome_.violate("shot {} {} in the table, and read back from the folder it {}", key.shot_id,
+                         counted ? "counts" : "does not count", counted ? "does not" : "does");
       }
     }
     for (const auto& [key, counted] : read)
-      if (!counts.contains(key)) violate(fmt::format("shot {} is read back and is in no row", key.shot_id));
+      if (!counts.contains(key)) outcome_.violate("shot {} is read back and is in no row", key.shot_id);
   }
 
   void report() {

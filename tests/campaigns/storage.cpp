@@ -63,20 +63,20 @@ const std::string kNew(2'500'000, 'n');
 Outcome judge_file(const fs::path& path, const std::string& told, const std::string& before,
                    const std::string& wanted) {
   Outcome outcome;
-  const auto violated = [&outcome](const char* what) { outcome.violations.emplace_back(what); };
   const std::string now = testing::read_text(path);
-  if (told.empty() && now != wanted) violated("told as stored, and is not");
-  if (now != before && now != wanted) violated("neither the old file nor the new one");
-  if (!told.empty() && told.find(path.filename().string()) == told.npos) violated("the file is not named");
+  if (told.empty() && now != wanted) outcome.violate("told as stored, and is not");
+  if (now != before && now != wanted) outcome.violate("neither the old file nor the new one");
+  if (!told.empty() && told.find(path.filename().string()) == told.npos)
+    outcome.violate("the file is not named");
   for (const auto& entry : fs::directory_iterator(path.parent_path()))
-    if (entry.path().extension() == ".new") violated("a draft is left over");
+    if (entry.path().extension() == ".new") outcome.violate("a draft is left over");
   outcome.told = told;
   const bool reached = testing::disk_faults_injected() > 0;
   outcome.ending = !reached        ? Ending::not_reached
                    : told.empty()  ? Ending::harmless
                    : now == wanted ? Ending::told_stored
                                    : Ending::refused;
-  if (!reached && !told.empty()) violated("told a failure that was none");
+  if (!reached && !told.empty()) outcome.violate("told a failure that was none");
   return outcome;
 }
 
@@ -107,7 +107,7 @@ Outcome run_key(const fs::path& path, const DiskFault& fault) {
   const bool readable = authentication::read_key_file(path).has_value();
   const std::string wanted = made ? made->key.text() + "\n" : readable ? testing::read_text(path) : "a key";
   Outcome outcome = judge_file(path, testing::error_of(made), "", wanted);
-  if (made && !readable) outcome.violations.emplace_back("the key cannot be read");
+  if (made && !readable) outcome.violate("the key cannot be read");
   return outcome;
 }
 

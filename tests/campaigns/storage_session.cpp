@@ -2,14 +2,10 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
-#include <fstream>
 #include <lcm/lcm-cpp.hpp>
-#include <map>
 #include <new>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
 
@@ -19,6 +15,7 @@
 #include "host/session/run_lock.hpp"
 #include "tests/campaigns/scripted_bench.hpp"
 #include "tests/campaigns/storage.hpp"
+#include "tests/support/json_lines.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace strobe::storage {
@@ -119,13 +116,6 @@ void fire(Run& run, const fs::path& folder, const char* utc, int shots, const te
   run.unstored = stored.unstored();
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
 struct Log {
   std::vector<Message> messages;
   std::uintmax_t bytes = 0;  ///< of whole records
@@ -188,10 +178,6 @@ class Judge {
   }
 
  private:
-  template <typename... Args>
-  void violated(fmt::format_string<Args...> format, Args&&... args) {
-    outcome_.violations.push_back(fmt::format(format, std::forward<Args>(args)...));
-  }
   std::string first_told() const {
     if (!run_.refused.empty()) return run_.refused;
     if (!run_.told.lines.empty()) return run_.told.lines.front().second;
@@ -200,30 +186,26 @@ class Judge {
 
   void keeps_what_was_stored() {
     const Before now(folder_);
-    if (now.log != before_.log) violated("the earlier log has changed");
-    if (!now.results.starts_with(before_.results)) violated("earlier results are lost");
-    if (!now.flashes.starts_with(before_.flashes)) violated("earlier flashes are lost");
+    if (now.log != before_.log) outcome_.violate("the earlier log has changed");
+    if (!now.results.starts_with(before_.results)) outcome_.violate("earlier results are lost");
+    if (!now.flashes.starts_with(before_.flashes)) outcome_.violate("earlier flashes are lost");
   }
 
   /// The program has said that there is not enough memory, and ended.
   Outcome judge_unfinished() {
     keeps_what_was_stored();
-    const fs::path path = folder_ / (std::string("host-") + kUtc + ".lcmlog");
-    const Log log = read_log(path);
-    std::error_code error;
-    if (fs::exists(path, error) && fs::file_size(path, error) != log.bytes)
-      violated("the log holds a torn record");
-    if (missing(run_.bench.messages(), log.messages) < 0) violated("the log holds what never came");
-    if (run_.bench.armed()) violated("left armed");
+    judge_log();
+    if (run_.bench.armed()) outcome_.violate("left armed");
     outcome_.ending = Ending::told_unstored;
     outcome_.told = "not enough memory";
     return std::move(outcome_);
   }
 
   void judge_what_is_gone() {
-    if (run_.unstored.empty()) violated("what is gone is not named");
-    if (run_.told.lines.empty()) return violated("what is gone was not told");
-    if (run_.told.lines.front().first > *run_.failed_at + std::chrono::seconds{1}) violated("told too late");
+    if (run_.unstored.empty()) outcome_.violate("what is gone is not named");
+    if (run_.told.lines.empty()) return outcome_.violate("what is gone was not told");
+    if (run_.told.lines.front().first > *run_.failed_at + std::chrono::seconds{1})
+      outcome_.violate("told too late");
   }
 
   void judge_log() {
@@ -231,22 +213,25 @@ class Judge {
     const fs::path path = folder_ / (std::string("host-") + kUtc + ".lcmlog");
     const Log log = read_log(path);
     const int lost = missing(run_.bench.messages(), log.messages);
-    if (lost < 0) violated("the log holds what never came");
+    if (lost < 0) outcome_.violate("the log holds what never came");
     std::error_code error;
-    if (fs::file_size(path, error) != log.bytes && !mentions(path.filename()))
-      violated("the log holds a torn record, untold");
-    lost_at(path.filename(), lost);
+    const bool torn =
+        (fs::exists(path, error) || !run_.out_of_memory) && fs::file_size(path, error) != log.bytes;
+    if (torn && (run_.out_of_memory || !mentions(path.filename())))
+      outcome_.violate("the log holds a torn record, untold");
+    if (!run_.out_of_memory) lost_at(path.filename(), lost);
   }
 
   void judge_tables() {
     if (!run_.refused.empty()) return;
-    std::set<std::string> rows, flashes;
-    const auto results = lines_of(testing::read_text(folder_ / "results.csv"));
-    for (std::size_t i = lines_of(before_.results).size(); i < results.size(); ++i)
-      rows.insert(results[i].substr(results[i].find(',') + 1, 5));
+    const auto results = testing::read_csv(folder_ / "results.csv").rows;
+    std::set<std::string> rows;  // by boot and shot
+    for (auto i = static_cast<std::size_t>(std::ranges::count(before_.results, '\n')) - 1; i < results.size();
+         ++i)
+      if (results[i].size() > 2) rows.insert(results[i][1] + "," + results[i][2]);
     int lost = 0;
     for (const int shot : run_.told.results)
-      lost += !rows.contains(fmt::format("{:x},{},", ScriptedBench::kBoot + 1, shot).substr(0, 5));
+      lost += !rows.contains(fmt::format("{:x},{}", ScriptedBench::kBoot + 1, shot));
     lost_at("results.csv", lost);
     const std::string text = testing::read_text(folder_ / "flashes.csv");
     lost = 0;
@@ -254,12 +239,11 @@ class Judge {
     lost_at("flashes.csv", lost);
     for (const char* table : {"results.csv", "flashes.csv"}) {
       const std::string all = testing::read_text(folder_ / table);
-      const auto lines = lines_of(all);
-      const auto commas = [](const std::string& line) { return std::ranges::count(line, ','); };
+      const testing::CsvTable csv = testing::read_csv(folder_ / table);
       const bool torn = !all.empty() && all.back() != '\n';
-      const bool uneven = std::ranges::any_of(
-          lines, [&](const std::string& line) { return commas(line) != commas(lines.front()); });
-      if ((torn || uneven) && !mentions(table)) violated("{} has a torn line, untold", table);
+      const bool uneven =
+          std::ranges::any_of(csv.rows, [&csv](const auto& row) { return row.size() != csv.columns.size(); });
+      if ((torn || uneven) && !mentions(table)) outcome_.violate("{} has a torn line, untold", table);
     }
   }
 
@@ -271,31 +255,31 @@ class Judge {
   /// So many records are missing in the file.
   void lost_at(const std::string& file, int lost) {
     if (lost <= 0) return;
-    if (!mentions(file)) violated("{}: {} records are lost and not named in the end", file, lost);
+    if (!mentions(file)) outcome_.violate("{}: {} records are lost and not named in the end", file, lost);
     const auto line = std::ranges::find_if(
         run_.told.lines, [&](const auto& told) { return told.second.find(file) != told.second.npos; });
-    if (line == run_.told.lines.end()) return violated("{}: a loss was not told", file);
+    if (line == run_.told.lines.end()) return outcome_.violate("{}: a loss was not told", file);
     if (run_.failed_at && line->first > *run_.failed_at + std::chrono::seconds{1})
-      violated("{}: told too late", file);
+      outcome_.violate("{}: told too late", file);
   }
 
   void judge_words() {
     if (!run_.refused.empty()) {
-      if (!run_.bench.fires().empty()) violated("fired without a session");
+      if (!run_.bench.fires().empty()) outcome_.violate("fired without a session");
       return;
     }
-    if (!run_.finished) violated("the series did not end");
+    if (!run_.finished) outcome_.violate("the series did not end");
     if (!run_.told.lines.empty()) {
       for (const Duration fire : run_.bench.fires())
-        if (fire > run_.told.lines.front().first) violated("fired after a failure was told");
+        if (fire > run_.told.lines.front().first) outcome_.violate("fired after a failure was told");
     }
     const bool doubtful = fault_.error != EINTR && (fault_.call == "fsync" || fault_.call == "close");
     if (doubtful && testing::disk_faults_injected() > 0 && run_.unstored.empty())
-      violated("what may be lost is not named");
+      outcome_.violate("what may be lost is not named");
     const bool quiet = run_.told.lines.empty() && run_.unstored.empty();
-    if (quiet && !run_.succeeded) violated("did not succeed, without a word");
+    if (quiet && !run_.succeeded) outcome_.violate("did not succeed, without a word");
     if (testing::disk_faults_injected() == 0 && !run_.taken_away && !quiet)
-      violated("told a failure that was none");
+      outcome_.violate("told a failure that was none");
   }
 
   const fs::path& folder_;
