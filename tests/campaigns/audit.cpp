@@ -16,6 +16,7 @@ namespace strobe::loss {
 
 namespace {
 
+using campaigns::Verdict;
 using strobe_msgs::event_t;
 using strobe_msgs::readout_t;
 using strobe_msgs::shot_t;
@@ -47,12 +48,19 @@ std::vector<std::filesystem::path> logs(const std::filesystem::path& folder, con
 
 class Auditor {
  public:
+  Auditor() {
+    for (const char* what :
+         {"missing events", "missing summaries", "cut off", "cut off, reported", "readouts",
+          "readouts flagged", "readouts twice", "readouts incomplete, unflagged"})
+      audit_.count(what, 0.0);  // told even if there is none
+  }
+
   void read_journal(const std::filesystem::path& path) {
     LogReader log(path);
     std::int64_t expected = 1, end = 0;
-    ++audit_.boots;
+    audit_.count("boots");
     for (LogRecord record; log.next(record); end = log.at()) {
-      audit_.torn += record.offset - end;
+      audit_.count("torn bytes", static_cast<double>(record.offset - end));
       event_t event{};
       shot_t shot{};
       if (decode(record, "/EVENT", event)) {
@@ -70,7 +78,8 @@ class Auditor {
         shots_[{shot.boot_id, shot.shot_id}] = {shot.first_sequence, shot.last_sequence};
       }
     }
-    audit_.torn += static_cast<std::int64_t>(std::filesystem::file_size(path)) - end;
+    audit_.count("torn bytes",
+                 static_cast<double>(std::filesystem::file_size(path)) - static_cast<double>(end));
   }
 
   void read_host_log(const std::filesystem::path& path) {
@@ -100,21 +109,21 @@ class Auditor {
     }
   }
 
-  Audit end() {
-    audit_.journalled = static_cast<std::int64_t>(journalled_.size());
+  Verdict end() {
+    audit_.count("events journalled", static_cast<double>(journalled_.size()));
     for (const auto& [key, bytes] : journalled_) {
       if (here_.contains(key)) continue;
       if (!due(key.first, key.second)) {
-        ++audit_.later;
+        audit_.count("events later");
         continue;
       }
-      ++audit_.missing;
+      audit_.count("missing events");
       audit_.violate("event {} of boot {:x} is in the journal and on no host", key.second, key.first);
     }
-    audit_.shots = static_cast<int>(shots_.size());
+    audit_.count("summaries", static_cast<double>(shots_.size()));
     for (const auto& [key, range] : shots_) {
       if (shots_here_.contains(key) || !due(key.boot_id, range.last)) continue;
-      ++audit_.shots_missing;
+      audit_.count("missing summaries");
       audit_.violate("the summary of shot {} is in the journal and on no host", key.shot_id);
     }
     for (const ShotKey& key : started_)
@@ -130,16 +139,16 @@ class Auditor {
 
   void read_out(const readout_t& readout) {
     const ShotKey key{readout.boot_id, readout.shot_id};
-    ++audit_.readouts;
+    audit_.count("readouts");
     if (!read_out_.insert(key).second) {
-      ++audit_.twice;
+      audit_.count("readouts twice");
       audit_.violate("shot {} of boot {:x} was read out twice", key.shot_id, key.boot_id);
     }
     const bool flagged =
         std::find(readout.flags.begin(), readout.flags.end(), "events_missing") != readout.flags.end();
-    audit_.flagged += flagged ? 1 : 0;
+    audit_.count("readouts flagged", flagged ? 1.0 : 0.0);
     if (flagged || whole(key)) return;
-    ++audit_.incomplete_unflagged;
+    audit_.count("readouts incomplete, unflagged");
     audit_.violate("shot {} was read out with events missing, and no flag says so", key.shot_id);
   }
 
@@ -153,18 +162,18 @@ class Auditor {
 
   /// A shot whose end the firmware did not live to write.
   void account_for(const ShotKey& key) {
-    ++audit_.cut_off;
+    audit_.count("cut off");
     const std::string words =
         fmt::format("boot {:016x}: shot {} has no end", static_cast<std::uint64_t>(key.boot_id), key.shot_id);
     const bool reported = std::any_of(repairs_.begin(), repairs_.end(),
                                       [&](const std::string& detail) { return detail.starts_with(words); });
     if (reported)
-      ++audit_.cut_off_reported;
+      audit_.count("cut off, reported");
     else
       audit_.violate("nobody said that shot {} has no end", key.shot_id);
   }
 
-  Audit audit_;
+  Verdict audit_;
   std::map<EventKey, std::vector<std::uint8_t>> journalled_;
   std::map<ShotKey, Range> shots_;
   std::set<ShotKey> started_;
@@ -178,7 +187,7 @@ class Auditor {
 
 }  // namespace
 
-Audit audit(const std::filesystem::path& firmware, const std::filesystem::path& host) {
+Verdict audit(const std::filesystem::path& firmware, const std::filesystem::path& host) {
   Auditor auditor;
   for (const auto& path : logs(firmware, "journal-")) auditor.read_journal(path);
   for (const auto& path : logs(host, "host-")) auditor.read_host_log(path);

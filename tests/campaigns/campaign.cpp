@@ -46,12 +46,8 @@ void Tables::add(const Verdict& verdict) {
     Row& row = tables_[title][name];
     ++row.trials;
     row.violated += violated;
-    row.counts.resize(verdict.counts.size());
-    for (std::size_t k = 0; k < row.counts.size(); ++k) {
-      const Count &fresh = verdict.counts[k], before = row.counts[k];
-      row.counts[k] = fresh;
-      row.counts[k].value = fresh.largest ? std::max(before.value, fresh.value) : before.value + fresh.value;
-    }
+    for (const auto& [what, value] : verdict.counts) row.counts[what] += value;
+    for (const auto& [what, value] : verdict.largest) row.largest[what] = std::max(row.largest[what], value);
   }
 }
 
@@ -59,14 +55,19 @@ std::string Tables::text() const {
   std::string text;
   for (const auto& [title, rows] : tables_) {
     std::string head = fmt::format("\n| {} | trials | violated |", title), line = "\n|---|---|---|", body;
-    for (const Count& count : rows.begin()->second.counts) {
-      head += fmt::format(" {} |", count.what);
-      line += "---|";
+    std::map<std::string, double> counts, largest;  // of all rows, for the columns
+    for (const auto& [name, row] : rows) {
+      counts.insert(row.counts.begin(), row.counts.end());
+      largest.insert(row.largest.begin(), row.largest.end());
     }
+    for (const auto* columns : {&counts, &largest})
+      for (const auto& [what, any] : *columns) head += fmt::format(" {} |", what), line += "---|";
     for (const auto& [name, row] : rows) {
       body += fmt::format("\n| {} | {} | {} |", name, row.trials, row.violated);
-      for (const Count& count : row.counts)
-        body += fmt::format(" {:.{}f} |", count.value, count.largest ? 2 : 0);
+      for (const auto& [what, any] : counts)
+        body += fmt::format(" {:.0f} |", row.counts.contains(what) ? row.counts.at(what) : 0.0);
+      for (const auto& [what, any] : largest)
+        body += fmt::format(" {:.2f} |", row.largest.contains(what) ? row.largest.at(what) : 0.0);
     }
     text += head + line + body + "\n";
   }

@@ -35,20 +35,15 @@ class Draws {
   std::mt19937_64 random_;
 };
 
-/// A column of the tables: the sum over the trials of a row, or the largest of them.
-struct Count {
-  std::string what;
-  double value = 0.0;
-  bool largest = false;
-};
-
 struct Verdict {
   std::vector<std::string> violations;      ///< what must never be and was, in words
   std::string trial;                        ///< what was done and what came of it, in a line
   std::string words;                        ///< what the programs said, for who looks for the cause
   std::map<std::string, std::string> rows;  ///< by the title of a table: the row that it counts in
-  std::vector<Count> counts;                ///< the same ones in every trial of a campaign
+  std::map<std::string, double> counts;     ///< for those rows; tables have their sums
+  std::map<std::string, double> largest;    ///< of which tables have the largest
 
+  void count(const std::string& what, double times = 1.0) { counts[what] += times; }
   template <typename... Args>
   void violate(fmt::format_string<Args...> format, Args&&... args) {
     violations.push_back(fmt::format(format, std::forward<Args>(args)...));
@@ -77,7 +72,7 @@ class Tables {
  private:
   struct Row {
     int trials = 0, violated = 0;
-    std::vector<Count> counts;
+    std::map<std::string, double> counts, largest;
   };
   std::map<std::string, std::map<std::string, Row>> tables_;  ///< by title and name
   int violated_ = 0;

@@ -1,12 +1,9 @@
 #include "tests/campaigns/loss.hpp"
 
-#include <fmt/format.h>
-
 #include <csignal>
-#include <stdexcept>
 
-#include "tests/campaigns/series_rig.hpp"
-#include "tests/hil/line_watcher.hpp"
+#include "tests/campaigns/audit.hpp"
+#include "tests/campaigns/series_lab.hpp"
 #include "tests/support/private_network.hpp"
 
 namespace strobe::loss {
@@ -14,74 +11,70 @@ namespace strobe::loss {
 namespace {
 
 using campaigns::Draws;
-using campaigns::kSeriesEnds;
+using campaigns::Verdict;
 using testing::ExitStatus;
 using testing::Process;
 
-hil::RigFixtureOptions rig_options(const Trial& trial, const Draws& draws) {
-  const auto options = campaigns::series_rig(draws.seed(), trial.full_exposure);
-  return trial.victim == Victim::nobody ? options : campaigns::with_strobed_again(options);
-}
-
 /// A bench, and hosts on another network that is joined with it by a relay.
-class Lab {
+class Lab : campaigns::SeriesLab {
  public:
   Lab(const Trial& trial, Draws& draws)
-      : trial_(trial),
-        draws_(draws),
-        bench_(rig_options(trial, draws)),
-        relay_(bench_.lcm_url(), host_url_, trial.faults, draws.seed()) {
-    if (!bench_.ready()) throw std::runtime_error("strobed does not start: " + bench_.log());
-  }
+      : SeriesLab(campaigns::series_rig(draws, trial.victim != Victim::nobody, trial.full_exposure), draws),
+        trial_(trial),
+        relay_(rig_.lcm_url(), host_url_, trial.faults, draws.seed()) {}
 
-  Outcome run() {
+  Verdict run() {
+    const std::int64_t start_ns = testing::monotonic_now_ns();
     const bool ended = trial_.victim == Victim::nobody ? lose()
                        : trial_.victim == Victim::host ? kill_hosts()
                                                        : kill_firmwares();
-    campaigns::take_down(bench_);  // so that every shot has its end
-    outcome_.audit = audit(bench_.session(), host_folder());
-    outcome_.link = relay_.counts();
-    outcome_.violations = outcome_.audit.violations;
-    if (!ended) outcome_.violate("the series did not end as ordered");
-    if (outcome_.audit.journalled == 0) outcome_.violate("the journals have no event");
-    outcome_.words += bench_.log();
-    return std::move(outcome_);
+    take_down();  // so that every shot has its end
+    Verdict verdict = audit(rig_.session(), host_folder());
+    if (!ended) verdict.violate("the series did not end as ordered");
+    if (verdict.counts["events journalled"] == 0) verdict.violate("the journals have no event");
+    verdict.words = verdict_.words;
+    verdict.trial = trial_.name;
+    verdict.rows = {{"what", trial_.name}};
+    count(verdict, static_cast<double>(testing::monotonic_now_ns() - start_ns) * 1e-9);
+    return verdict;
   }
 
  private:
-  std::filesystem::path host_folder() const { return bench_.folder() / "host"; }
-
-  Process fire(int shots, int retries) {
-    testing::Command command =
-        bench_.strobe({"fire", "--shots", std::to_string(shots), "--retries", std::to_string(retries),
-                       "--session", host_folder(), "--plain"});
-    command.arguments.back() = host_url_;
-    return bench_.start(command);
+  void count(Verdict& verdict, double duration_s) const {
+    const LinkCounts link = relay_.counts();
+    verdict.count("kills", kills_);
+    verdict.count("packets", static_cast<double>(link.came));
+    verdict.count("packets lost", static_cast<double>(link.lost));
+    verdict.count("packets cut", static_cast<double>(link.cut));
+    verdict.count("packets doubled", static_cast<double>(link.doubled));
+    verdict.count("packets delayed", static_cast<double>(link.delayed));
+    verdict.count("seconds", duration_s);
   }
 
-  bool ends_in_order(Process& host) {
-    const auto status = host.wait(kSeriesEnds);
-    outcome_.words += host.err();
-    return status == ExitStatus({0, 0});
+  Process fire(int shots, int retries) {
+    testing::Command command = rig_.strobe({"fire", "--shots", std::to_string(shots), "--retries",
+                                            std::to_string(retries), "--session", host_folder(), "--plain"});
+    command.arguments.back() = host_url_;
+    return rig_.start(command);
   }
   bool last_series(int shots) {
     Process host = fire(shots, 1000);
-    return ends_in_order(host);
+    return end_of(host) == ExitStatus({0, 0});
   }
 
   bool lose() {
     Process host = fire(trial_.shots, 1000);
-    if (trial_.cut_s > 0.0 && reach_instant_of_a_shot(bench_, host, draws_, 300)) {
+    if (trial_.cut_s > 0.0 && reach_instant_of_a_shot(host, 300)) {
       relay_.cut(true);
       testing::sleep_for(std::chrono::milliseconds(static_cast<int>(trial_.cut_s * 1e3)));
       relay_.cut(false);
     }
-    return ends_in_order(host);
+    return end_of(host) == ExitStatus({0, 0});
   }
 
   /// Each host fires one shot and dies in it; the next one takes over its folder.
   bool kill_hosts() {
-    for (; outcome_.kills < trial_.kills; ++outcome_.kills) {
+    for (; kills_ < trial_.kills; ++kills_) {
       Process host = fire(1, 1000);
       if (!reaches_shot(host)) return false;
       host.signal(SIGKILL);
@@ -92,56 +85,30 @@ class Lab {
 
   /// The firmware dies in a shot of each host, whose series ends with it; the next one takes over its folder.
   bool kill_firmwares() {
-    while (outcome_.kills < trial_.kills) {
+    while (kills_ < trial_.kills) {
       Process host = fire(100'000, 100'000);
       if (!reaches_shot(host)) return false;
-      const pid_t worker = bench_.worker(), guardian = bench_.guardian();
+      const pid_t worker = rig_.worker(), guardian = rig_.guardian();
       if (worker == 0) continue;
       if (draws_.chance(1.0 / 3.0)) kill(guardian, SIGKILL);
       kill(worker, SIGKILL);
-      ++outcome_.kills;
-      host.wait(kSeriesEnds);
-      outcome_.words += host.err();
+      ++kills_;
+      end_of(host);
     }
     return last_series(2);  // what the last death left has then been told and fetched
   }
 
   bool reaches_shot(Process& host) {
-    if (reach_instant_of_a_shot(bench_, host, draws_, trial_.full_exposure ? 1000 : 600)) return true;
-    outcome_.words += "no shot came\n";
+    if (reach_instant_of_a_shot(host, trial_.full_exposure ? 1000 : 600)) return true;
+    verdict_.words += "no shot came\n";
     return false;
   }
 
   const Trial& trial_;
-  Draws& draws_;
-  hil::RigFixture bench_;
   std::string host_url_ = testing::private_lcm_url();
   LossyLink relay_;
-  Outcome outcome_;
+  int kills_ = 0;
 };
-
-void report(const Trial& trial, Outcome& outcome) {
-  const Audit& a = outcome.audit;
-  outcome.trial = fmt::format("{}, {} kills, {:.0f} s", trial.name, outcome.kills, outcome.duration_s);
-  outcome.rows = {{"what", trial.name}};
-  const auto add = [&outcome](const char* what, auto value) {
-    outcome.counts.push_back({what, static_cast<double>(value)});
-  };
-  add("kills", outcome.kills);
-  add("boots", a.boots);
-  add("packets", outcome.link.came);
-  add("lost", outcome.link.lost + outcome.link.cut);
-  add("events journalled", a.journalled);
-  add("missing events", a.missing);
-  add("missing summaries", a.shots_missing);
-  add("shots cut off", a.cut_off);
-  add("of them reported", a.cut_off_reported);
-  add("readouts", a.readouts);
-  add("of them flagged", a.flagged);
-  add("twice", a.twice);
-  add("incomplete unflagged", a.incomplete_unflagged);
-  add("s", outcome.duration_s);
-}
 
 const std::vector<Trial>& links() {
   constexpr auto kNobody = Victim::nobody;
@@ -161,13 +128,7 @@ const std::vector<Trial>& links() {
 
 }  // namespace
 
-Outcome run_trial(const Trial& trial, Draws& draws) {
-  const std::int64_t start_ns = testing::monotonic_now_ns();
-  Outcome outcome = Lab(trial, draws).run();
-  outcome.duration_s = static_cast<double>(testing::monotonic_now_ns() - start_ns) * 1e-9;
-  report(trial, outcome);
-  return outcome;
-}
+Verdict run_trial(const Trial& trial, Draws& draws) { return Lab(trial, draws).run(); }
 
 Trial drawn(const Choice& choice, const Draws& draws) {
   const bool both = !choice.links && choice.kills == 0;

@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "tests/campaigns/audit.hpp"
 #include "tests/campaigns/campaign.hpp"
 #include "tests/campaigns/lossy_link.hpp"
 
@@ -22,14 +21,8 @@ struct Trial {
   bool full_exposure = false;  ///< else a third of the flashes
 };
 
-struct Outcome : campaigns::Verdict {
-  Audit audit;
-  LinkCounts link;
-  double duration_s = 0.0;
-  int kills = 0;
-};
-
-Outcome run_trial(const Trial& trial, campaigns::Draws& draws);
+/// Counts what the audit does, "kills" and what became of "packets".
+campaigns::Verdict run_trial(const Trial& trial, campaigns::Draws& draws);
 
 /// Of which kinds a campaign is. Neither links nor kills: both, with a hundred kills of each side.
 struct Choice {

@@ -1,7 +1,5 @@
 #include "tests/campaigns/resume.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -11,7 +9,7 @@
 
 #include "common/shot/shot_key.hpp"
 #include "host/archive/read_session.hpp"
-#include "tests/campaigns/series_rig.hpp"
+#include "tests/campaigns/series_lab.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/short_shots.hpp"
 #include "tests/support/json_lines.hpp"
@@ -21,15 +19,14 @@ namespace strobe::resume {
 namespace {
 
 using campaigns::Draws;
-using campaigns::kSeriesEnds;
-using hil::RigFixture;
+using campaigns::Verdict;
 using testing::Command;
 using testing::ExitStatus;
 using testing::Process;
 
 hil::RigFixtureOptions rig_options(const Trial& trial, const Draws& draws,
                                    const std::filesystem::path& camera) {
-  const hil::RigFixtureOptions options = campaigns::with_strobed_again(campaigns::series_rig(draws.seed()));
+  const hil::RigFixtureOptions options = campaigns::series_rig(draws, true);
   return trial.photographs ? with_small_photographs(options, camera) : options;
 }
 
@@ -37,40 +34,36 @@ enum class Kind { kill, first_interrupt, two_interrupts, terminate, quit, full_d
 constexpr std::array kNames{"the host killed", "Ctrl-C",      "Ctrl-C twice",  "SIGTERM",
                             "Ctrl-\\",         "a full disk", "strobed killed"};
 
-class Session {
+/// With the folder of its camera.
+class Session : testing::TemporaryFolder, campaigns::SeriesLab {
  public:
   Session(const Trial& trial, Draws& draws)
-      : trial_(trial), draws_(draws), bench_(rig_options(trial, draws, camera_.path())) {}
+      : SeriesLab(rig_options(trial, draws, TemporaryFolder::path()), draws), trial_(trial) {}
 
-  Outcome run() {
-    if (!bench_.ready()) throw std::runtime_error("strobed does not start: " + bench_.log());
+  Verdict run() {
     for (int i = 0; i < trial_.interruptions; ++i) interrupt(static_cast<Kind>(draws_.between(0, 6)));
-    Process last(command({}), bench_.folder());
-    const auto ended = last.wait(kSeriesEnds);
-    outcome_.words += last.err();
-    if (ended != ExitStatus({0, 0})) outcome_.violate("the session did not come to its shots");
+    Process last(command({}), rig_.folder());
+    if (end_of(last) != ExitStatus({0, 0})) verdict_.violate("the session did not come to its shots");
     nothing_is_fired_once_it_has_them();
-    campaigns::take_down(bench_);
+    take_down();
     judge();
-    outcome_.words += bench_.log();
-    report();
-    return std::move(outcome_);
+    verdict_.rows = {{"shots by", trial_.photographs ? "photographs" : "the tablet"}};
+    return std::move(verdict_);
   }
 
  private:
-  std::filesystem::path folder() const { return bench_.folder() / "host"; }
-
   /// --resume where a run was recorded and the draw says so, else --until, which say the same here.
   Command command(const std::map<std::string, std::string>& environment) {
-    std::vector<std::string> words{"fire", "--session", folder(), "--retries", "50", "--plain"};
-    const bool recorded = !testing::read_text(folder() / "runs.jsonl").empty();
+    std::vector<std::string> words{"fire", "--session", host_folder(), "--retries", "50", "--plain"};
+    const bool recorded = !testing::read_text(host_folder() / "runs.jsonl").empty();
     if (recorded && draws_.chance(0.5)) {
       words.push_back("--resume");
     } else {
       words.insert(words.end(), {"--until", std::to_string(trial_.shots)});
     }
-    if (trial_.photographs) words.insert(words.end(), {"--photographs", camera_.path(), "--effort", "fast"});
-    Command command = bench_.strobe(words);
+    if (trial_.photographs)
+      words.insert(words.end(), {"--photographs", TemporaryFolder::path(), "--effort", "fast"});
+    Command command = rig_.strobe(words);
     command.environment = environment;
     return command;
   }
@@ -81,23 +74,21 @@ class Session {
     const std::string file = draws_.choice(kFiles);
     const int nth = draws_.between(1, file == "host-" ? 900 : 2);
     log_lost_ = log_lost_ || file == "host-";
-    outcome_.trial += fmt::format(" ({} from write {})", file, nth);
+    verdict_.trial += fmt::format(" ({} from write {})", file, nth);
     return {{"LD_PRELOAD", STROBE_DISK_FAULTS},
             {"STROBE_DISK_FAULT", fmt::format("folder={},file={},call=write,nth={},times=1000000,error={}",
-                                              folder().string(), file, nth, ENOSPC)}};
+                                              host_folder().string(), file, nth, ENOSPC)}};
   }
 
   void interrupt(Kind kind) {
     const std::string name = kNames.at(static_cast<std::size_t>(kind));
-    outcome_.trial += outcome_.trial.empty() ? name : ", " + name;
+    verdict_.trial += verdict_.trial.empty() ? name : ", " + name;
     Process host(command(kind == Kind::full_disk ? full_disk() : std::map<std::string, std::string>{}),
-                 bench_.folder());
+                 rig_.folder());
     // Somewhere from the shutter's opening to some time after the readout.
     const int latest_ms = trial_.photographs ? 4000 : 900;
-    if (kind != Kind::full_disk && reach_instant_of_a_shot(bench_, host, draws_, latest_ms))
-      strike(kind, host);
-    if (!host.wait(kSeriesEnds)) outcome_.violate("the host did not end after {}", name);
-    outcome_.words += host.err();
+    if (kind != Kind::full_disk && reach_instant_of_a_shot(host, latest_ms)) strike(kind, host);
+    if (!end_of(host)) verdict_.violate("the host did not end after {}", name);
   }
 
   void strike(Kind kind, Process& host) {
@@ -115,7 +106,7 @@ class Session {
       case Kind::quit:
         return host.signal(SIGQUIT);
       case Kind::firmware_killed:
-        if (const pid_t worker = bench_.worker(); worker != 0) ::kill(worker, SIGKILL);
+        if (const pid_t worker = rig_.worker(); worker != 0) ::kill(worker, SIGKILL);
         return host.signal(SIGKILL);
       case Kind::full_disk:
         return;
@@ -124,18 +115,18 @@ class Session {
 
   void nothing_is_fired_once_it_has_them() {
     const std::size_t before = shots_in_journals().size();
-    std::vector<std::string> words{"fire", "--session", folder(), "--until", std::to_string(trial_.shots)};
-    const auto again = testing::run_process(bench_.strobe(words), kSeriesEnds);
-    outcome_.words += again.err;
-    if (again.status != ExitStatus({0, 0}))
-      outcome_.violate("a session that has its shots is not told to be done");
-    if (shots_in_journals().size() != before) outcome_.violate("a shot was fired that was not wanted");
+    std::vector<std::string> words{"fire", "--session", host_folder(), "--until",
+                                   std::to_string(trial_.shots)};
+    Process again(rig_.strobe(words), rig_.folder());
+    if (end_of(again) != ExitStatus({0, 0}))
+      verdict_.violate("a session that has its shots is not told to be done");
+    if (shots_in_journals().size() != before) verdict_.violate("a shot was fired that was not wanted");
   }
 
   /// All that were begun, and whether they came to an end.
   std::map<ShotKey, bool> shots_in_journals() const {
     std::map<ShotKey, bool> shots;
-    for (const auto& entry : std::filesystem::directory_iterator(bench_.session())) {
+    for (const auto& entry : std::filesystem::directory_iterator(rig_.session())) {
       if (!entry.path().filename().string().starts_with("journal-")) continue;
       const hil::LogContents journal = hil::read_log(entry.path());
       for (const auto& event : journal.events) {
@@ -148,76 +139,64 @@ class Session {
   }
 
   void judge() {
-    const auto table = testing::read_csv(folder() / "results.csv");
-    std::map<ShotKey, int> rows;
-    std::map<ShotKey, bool> counts;
+    const auto table = testing::read_csv(host_folder() / "results.csv");
+    std::map<ShotKey, bool> counts;  // those in the table
+    int counted = 0, cut_off = 0;
     for (const auto& row : table.rows) {
       const ShotKey key{static_cast<std::int64_t>(std::stoull(row.at(table.column("boot_id")), nullptr, 16)),
                         std::stoi(row.at(table.column("shot_id")))};
-      if (++rows[key] == 2) outcome_.violate("shot {} is in the table twice", key.shot_id);
+      if (counts.contains(key)) verdict_.violate("shot {} is in the table twice", key.shot_id);
       counts[key] = row.at(table.column("rejected")).empty();
-      outcome_.counted += counts[key] ? 1 : 0;
+      counted += counts[key] ? 1 : 0;
     }
-    outcome_.in_table = static_cast<int>(table.rows.size());
-    if (outcome_.counted != trial_.shots)
-      outcome_.violate("{} shots count, and {} were asked for", outcome_.counted, trial_.shots);
+    if (counted != trial_.shots)
+      verdict_.violate("{} shots count, and {} were asked for", counted, trial_.shots);
     const auto fired = shots_in_journals();
     for (const auto& [key, ended] : fired) {
-      ++outcome_.fired;
-      outcome_.cut_off += ended ? 0 : 1;
-      if (!rows.contains(key)) outcome_.violate("shot {} was fired and is in no row", key.shot_id);
+      cut_off += ended ? 0 : 1;
+      if (!counts.contains(key)) verdict_.violate("shot {} was fired and is in no row", key.shot_id);
     }
-    for (const auto& [key, count] : rows)
-      if (!fired.contains(key)) outcome_.violate("shot {} is in the table and in no journal", key.shot_id);
+    for (const auto& [key, count] : counts)
+      if (!fired.contains(key)) verdict_.violate("shot {} is in the table and in no journal", key.shot_id);
     if (!log_lost_) judge_by_the_logs(counts);
     std::set<int> numbers;
-    for (const auto& [key, count] : rows) numbers.insert(key.shot_id);
+    for (const auto& [key, count] : counts) numbers.insert(key.shot_id);
     int nameless = 0;  // the simulator knows a shot's number from its summary
-    for (const auto& truth : bench_.truths()) {
+    for (const auto& truth : rig_.truths()) {
       const int id = truth.at("shot_id").get<int>();
       nameless += id == 0 ? 1 : 0;
       if (id != 0 && !numbers.contains(id))
-        outcome_.violate("the ball of shot {} was thrown and is in no row", id);
+        verdict_.violate("the ball of shot {} was thrown and is in no row", id);
     }
-    if (nameless > outcome_.cut_off)
-      outcome_.violate("{} balls were thrown in shots without an end, of which there are {}", nameless,
-                       outcome_.cut_off);
+    if (nameless > cut_off)
+      verdict_.violate("{} balls were thrown in shots without an end, of which there are {}", nameless,
+                       cut_off);
+    verdict_.counts = {{"fired", fired.size()},
+                       {"without an end", cut_off},
+                       {"rows", table.rows.size()},
+                       {"count", counted}};
   }
 
   /// The folder read back, as every other command does: the same shots, and the same of them count.
   void judge_by_the_logs(const std::map<ShotKey, bool>& counts) {
-    const auto session = host::read_session(folder(), {bench_.rig_file(), "", {}});
-    if (!session) return outcome_.violate("the session cannot be read back: {}", session.error().message);
+    const auto session = host::read_session(host_folder(), {rig_.rig_file(), "", {}});
+    if (!session) return verdict_.violate("the session cannot be read back: {}", session.error().message);
     std::map<ShotKey, bool> read;
     for (const host::StoredShot& shot : session->shots) read[shot.key] = !shot.result.rejected;
     for (const auto& [key, counted] : counts) {
       if (!read.contains(key)) {
-        outcome_.violate("shot {} is in the table and is not read back from the folder", key.shot_id);
+        verdict_.violate("shot {} is in the table and is not read back from the folder", key.shot_id);
       } else if (read.at(key) != counted) {
-        outcome_.violate("shot {} {} in the table, and read back from the folder it {}", key.shot_id,
+        verdict_.violate("shot {} {} in the table, and read back from the folder it {}", key.shot_id,
                          counted ? "counts" : "does not count", counted ? "does not" : "does");
       }
     }
     for (const auto& [key, counted] : read)
-      if (!counts.contains(key)) outcome_.violate("shot {} is read back and is in no row", key.shot_id);
-  }
-
-  void report() {
-    outcome_.trial += fmt::format("; {} fired, {} without an end, {} rows, {} count", outcome_.fired,
-                                  outcome_.cut_off, outcome_.in_table, outcome_.counted);
-    outcome_.rows = {{"shots by", trial_.photographs ? "photographs" : "the tablet"}};
-    outcome_.counts = {{"fired", 1.0 * outcome_.fired},
-                       {"without an end", 1.0 * outcome_.cut_off},
-                       {"rows", 1.0 * outcome_.in_table},
-                       {"count", 1.0 * outcome_.counted}};
+      if (!counts.contains(key)) verdict_.violate("shot {} is read back and is in no row", key.shot_id);
   }
 
   const Trial& trial_;
-  Draws& draws_;
-  testing::TemporaryFolder camera_;
-  RigFixture bench_;
   bool log_lost_ = false;  ///< what the host heard could not all be kept, and it said so
-  Outcome outcome_;
 };
 
 }  // namespace
@@ -228,6 +207,6 @@ Trial drawn(const Trial& wanted, const Draws& draws) {
   return trial;
 }
 
-Outcome run_trial(const Trial& trial, Draws& draws) { return Session(trial, draws).run(); }
+Verdict run_trial(const Trial& trial, Draws& draws) { return Session(trial, draws).run(); }
 
 }  // namespace strobe::resume

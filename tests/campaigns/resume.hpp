@@ -16,13 +16,8 @@ struct Trial {
 /// Every fourth one with photographs, and all if `wanted` says so.
 Trial drawn(const Trial& wanted, const campaigns::Draws& draws);
 
-struct Outcome : campaigns::Verdict {
-  int fired = 0;     ///< shots in the journals, dry ones left out
-  int cut_off = 0;   ///< of them without an end, since the firmware died in them
-  int in_table = 0;  ///< rows
-  int counted = 0;   ///< of them, shots that count
-};
-
-Outcome run_trial(const Trial& trial, campaigns::Draws& draws);
+/// Counts shots: those "fired", as the journals say, dry ones left out; of them those "without an end", since the firmware
+/// died in them; "rows" of the table, and those that "count".
+campaigns::Verdict run_trial(const Trial& trial, campaigns::Draws& draws);
 
 }  // namespace strobe::resume

@@ -162,7 +162,7 @@ Outcome run_trial(Trial trial) {
                               kEndings[static_cast<std::size_t>(outcome.ending)], outcome.told);
   outcome.rows = {{"file, call, error", row_of(trial)}};
   for (std::size_t k = 0; k < kEndings.size(); ++k)
-    outcome.counts.push_back({kEndings[k], k == static_cast<std::size_t>(outcome.ending) ? 1.0 : 0.0});
+    outcome.count(kEndings[k], k == static_cast<std::size_t>(outcome.ending) ? 1.0 : 0.0);
   return outcome;
 }
 
