@@ -39,6 +39,14 @@ std::string complaint(const Verdict& verdict, const std::string& repetition) {
   return text;
 }
 
+std::string summary(const Verdict& verdict) {
+  std::string text = verdict.trial;
+  for (const auto* counts : {&verdict.counts, &verdict.largest})
+    for (const auto& [what, value] : *counts)
+      if (value != 0.0) text += fmt::format("; {}: {:.6g}", what, value);
+  return text;
+}
+
 void Tables::add(const Verdict& verdict) {
   const int violated = verdict.violations.empty() ? 0 : 1;
   violated_ += violated;

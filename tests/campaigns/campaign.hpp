@@ -37,7 +37,7 @@ class Draws {
 
 struct Verdict {
   std::vector<std::string> violations;      ///< what must never be and was, in words
-  std::string trial;                        ///< what was done and what came of it, in a line
+  std::string trial;                        ///< what was done, in a line
   std::string words;                        ///< what the programs said, for who looks for the cause
   std::map<std::string, std::string> rows;  ///< by the title of a table: the row that it counts in
   std::map<std::string, double> counts;     ///< for those rows; tables have their sums
@@ -61,6 +61,9 @@ std::string repetition(const std::string& kind, std::uint64_t seed, int number,
 
 /// All violations, with the command that repeats them; empty: none.
 std::string complaint(const Verdict& verdict, const std::string& repetition);
+
+/// The trial and what was counted, in a line.
+std::string summary(const Verdict& verdict);
 
 /// How often what came of the trials.
 class Tables {

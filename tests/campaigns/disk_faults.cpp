@@ -81,9 +81,9 @@ std::optional<DiskFault> due_at(std::string_view call, const char* path) {
   return armed ? due(call, path) : std::nullopt;
 }
 
-int failing(const DiskFault& fault) {
-  errno = fault.error;
-  return -1;
+bool fails(const std::optional<DiskFault>& fault) {
+  if (fault) errno = fault->error;
+  return fault.has_value();
 }
 
 /// Calls the function with the name and the value of each.
@@ -163,7 +163,7 @@ int disk_faults_injected() {
 
 using strobe::testing::due_at;
 using strobe::testing::due_on;
-using strobe::testing::failing;
+using strobe::testing::fails;
 
 void* operator new(std::size_t size) {
   void* memory = strobe::testing::memory_refuses() ? nullptr : std::malloc(size == 0 ? 1 : size);
@@ -174,53 +174,51 @@ void* operator new(std::size_t size) {
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
+namespace {
+
+template <typename... Arguments>
+int call_system(long number, Arguments... arguments) {
+  return static_cast<int>(syscall(number, arguments...));
+}
+
+}  // namespace
+
 extern "C" {
 
 ssize_t write(int fd, const void* data, size_t size) {
-  if (const auto fault = due_on("write", fd)) {
-    const auto some = std::min<size_t>(static_cast<size_t>(fault->short_bytes), size);
-    if (some > 0)
-      return syscall(SYS_write, fd, data, some);  // the rest comes, and fails, in a call of its own
-    return failing(*fault);
-  }
-  return syscall(SYS_write, fd, data, size);
+  const auto fault = due_on("write", fd);
+  const auto some = fault ? std::min<size_t>(static_cast<size_t>(fault->short_bytes), size) : size;
+  if (fault && some == 0) return fails(fault) ? -1 : 0;
+  return syscall(SYS_write, fd, data, some);  // the rest comes, and fails, in a call of its own
 }
 
-int fsync(int fd) {
-  if (const auto fault = due_on("fsync", fd)) return failing(*fault);
-  return static_cast<int>(syscall(SYS_fsync, fd));
-}
+int fsync(int fd) { return fails(due_on("fsync", fd)) ? -1 : call_system(SYS_fsync, fd); }
 
 int close(int fd) {
   const auto fault = due_on("close", fd);
-  const int done = static_cast<int>(syscall(SYS_close, fd));
-  return fault ? failing(*fault) : done;  // the descriptor is gone all the same
+  const int done = call_system(SYS_close, fd);
+  return fails(fault) ? -1 : done;  // the descriptor is gone all the same
 }
 
 int ftruncate(int fd, off_t size) noexcept {
-  if (const auto fault = due_on("truncate", fd)) return failing(*fault);
-  return static_cast<int>(syscall(SYS_ftruncate, fd, size));
+  return fails(due_on("truncate", fd)) ? -1 : call_system(SYS_ftruncate, fd, size);
 }
-
 int ftruncate64(int fd, off64_t size) noexcept { return ftruncate(fd, size); }
 
 // <fcntl.h> has a struct of that name.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wshadow"
 int flock(int fd, int operation) noexcept {
-  if (const auto fault = due_on("flock", fd)) return failing(*fault);
-  return static_cast<int>(syscall(SYS_flock, fd, operation));
+  return fails(due_on("flock", fd)) ? -1 : call_system(SYS_flock, fd, operation);
 }
 #pragma GCC diagnostic pop
 
 int rename(const char* from, const char* to) noexcept {
-  if (const auto fault = due_at("rename", to)) return failing(*fault);
-  return static_cast<int>(syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
+  return fails(due_at("rename", to)) ? -1 : call_system(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0);
 }
 
 int link(const char* from, const char* to) noexcept {
-  if (const auto fault = due_at("link", to)) return failing(*fault);
-  return static_cast<int>(syscall(SYS_linkat, AT_FDCWD, from, AT_FDCWD, to, 0));
+  return fails(due_at("link", to)) ? -1 : call_system(SYS_linkat, AT_FDCWD, from, AT_FDCWD, to, 0);
 }
 
 int open(const char* path, int flags, ...) {
@@ -228,12 +226,9 @@ int open(const char* path, int flags, ...) {
   va_start(more, flags);
   const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(more, mode_t) : 0;
   va_end(more);
-  if ((flags & (O_WRONLY | O_RDWR)) != 0) {
-    if (const auto fault = due_at("open", path)) return failing(*fault);
-  }
-  return static_cast<int>(syscall(SYS_openat, AT_FDCWD, path, flags, mode));
+  if ((flags & (O_WRONLY | O_RDWR)) != 0 && fails(due_at("open", path))) return -1;
+  return call_system(SYS_openat, AT_FDCWD, path, flags, mode);
 }
-
 int open64(const char* path, int flags, ...) __attribute__((alias("open")));
 
 }  // extern "C"

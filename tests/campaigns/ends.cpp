@@ -18,6 +18,7 @@
 namespace strobe::ends {
 namespace {
 
+using campaigns::Verdict;
 using hil::kMs;
 using hil::LineChange;
 using hil::LineChanges;
@@ -27,6 +28,7 @@ using hil::RigFixture;
 using testing::monotonic_now_ns;
 using namespace std::chrono_literals;
 
+constexpr const char* kOverrun = "longest active beyond the plan, ms";
 constexpr std::int64_t kPeriod = 5 * kMs, kExposure = 250 * kMs;
 // Of the shipped rig file.
 constexpr std::int64_t kLampOn = 50'000, kTriggerOn = 20 * kMs;
@@ -166,25 +168,23 @@ class Attempt {
     guardian_ = rig_.guardian();
   }
 
-  Outcome run() {
-    Outcome outcome;
+  Verdict run() {
     LineWatcher watch(rig_.chip_dir());
     if (reach_moment(watch)) {
       const std::int64_t at = monotonic_now_ns() + trial_.delay_us * 1000;
       while (monotonic_now_ns() < at) host_.listen(0ms);
       Fault fault(trial_, rig_, watch);
-      const std::int64_t put = fault.put();
-      outcome.done = put != 0;
-      if (outcome.done) {
-        put_ = put;
-        settle(watch);
-        outcome.ended = gone();
-      }
+      put_ = fault.put();
+      if (put_ != 0) settle(watch);
+      ended_ = put_ != 0 && gone();
     }
     end();
-    if (outcome.done) judge_lines(outcome);
-    outcome.words = rig_.log();
-    return outcome;
+    if (put_ != 0) {
+      judge_lines();
+      judge_journal();
+    }
+    report();
+    return std::move(verdict_);
   }
 
  private:
@@ -258,9 +258,9 @@ class Attempt {
       if (!testing::program_of(pid).empty()) kill(pid, SIGKILL);
   }
 
-  void judge_lines(Outcome& outcome) {
+  void judge_lines() {
     const LineChanges changes = rig_.changes();
-    const bool at_once = trial_.fault == FaultKind::signal && outcome.ended && !is_stop(trial_);
+    const bool at_once = trial_.fault == FaultKind::signal && ended_ && !is_stop(trial_);
     for (const std::string& output : hil::kOutputs) {
       std::int64_t since = 0;
       int level = 0;
@@ -268,39 +268,45 @@ class Attempt {
         if (change.line != output || change.level == level) continue;
         level = change.level;
         if (level != 0) since = change.time_ns;
-        if (level == 0 && change.time_ns >= put_)
-          judge_interval(outcome, output, since, change.time_ns, at_once);
+        if (level == 0 && change.time_ns >= put_) judge_interval(output, since, change.time_ns, at_once);
       }
-      if (level != 0) judge_interval(outcome, output, since, INT64_MAX, at_once);
+      if (level != 0) judge_interval(output, since, INT64_MAX, at_once);
     }
     if (changes.rises("TRIGGER") > fired_)
-      outcome.violate("{} trigger pulses for {} shots", changes.rises("TRIGGER"), fired_);
-    judge_journal(outcome);
+      verdict_.violate("{} trigger pulses for {} shots", changes.rises("TRIGGER"), fired_);
   }
 
-  void judge_interval(Outcome& outcome, const std::string& output, std::int64_t from, std::int64_t to,
-                      bool at_once) const {
+  void judge_interval(const std::string& output, std::int64_t from, std::int64_t to, bool at_once) {
     const std::int64_t due = at_once ? std::max(put_, from) : std::max(put_, from + planned_on(output));
     if (to > settled_) {
       // On a machine that stood still a shot can begin so late that the end of the trial cuts it off.
       if (settled_ - due <= stated_ns(trial_)) return;
-      outcome.violate("{} active {} ms after the fault, when the trial ended", output,
-                      (settled_ - put_) / kMs);
+      verdict_.violate("{} active {} ms after the fault, when the trial ended", output,
+                       (settled_ - put_) / kMs);
       return;
     }
-    outcome.overrun_ms = std::max(outcome.overrun_ms, static_cast<double>(to - due) / kMs);
-    if (to - due > stated_ns(trial_)) outcome.late = true;
+    overrun_ = std::max(overrun_, to - due);
   }
 
   /// Whole to the last event, with no gap.
-  void judge_journal(Outcome& outcome) {
+  void judge_journal() {
     std::int64_t expected = 1;
     for (const auto& event : hil::read_log(rig_.journal()).events) {
       if (event.sequence != expected)
-        outcome.violate("the journal has event {} where {} was due", event.sequence, expected);
+        verdict_.violate("the journal has event {} where {} was due", event.sequence, expected);
       expected = event.sequence + 1;
     }
-    if (expected == 1) outcome.violate("the journal has no event");
+    if (expected == 1) verdict_.violate("the journal has no event");
+  }
+
+  void report() {
+    verdict_.trial = describe(trial_);
+    verdict_.words = rig_.log();
+    verdict_.rows = {{"fault", family(trial_)}, {"moment", name(trial_.moment)}};
+    verdict_.count("not possible", put_ == 0);
+    verdict_.count("ended strobed", ended_);
+    verdict_.count("late", overrun_ > stated_ns(trial_));
+    verdict_.largest[kOverrun] = static_cast<double>(overrun_) / kMs;
   }
 
   const Trial& trial_;
@@ -308,31 +314,24 @@ class Attempt {
   RawHost host_;
   pid_t worker_ = 0, guardian_ = 0;
   std::int64_t token_ = 0, put_ = 0, settled_ = 0;
+  std::int64_t overrun_ = 0;  ///< longest that an output was active after it had to be inactive
   int fired_ = 0;
+  bool ended_ = false;  ///< strobed of itself, within the trial
+  Verdict verdict_;
 };
-
-/// For tables and a person.
-Outcome reported(const Trial& trial, Outcome outcome) {
-  outcome.trial = fmt::format("{}: {}, {:.3f} ms{}", describe(trial), outcome.ended ? "ended" : "goes on",
-                              outcome.overrun_ms, outcome.done ? "" : ", not possible");
-  outcome.rows = {{"fault", family(trial)}, {"moment", name(trial.moment)}};
-  outcome.counts = {{"not possible", outcome.done ? 0.0 : 1.0}, {"ended strobed", outcome.ended ? 1.0 : 0.0}};
-  outcome.largest = {{"longest active beyond the plan, ms", outcome.overrun_ms}};
-  return outcome;
-}
 
 }  // namespace
 
-Outcome run_trial(const Trial& trial) { return reported(trial, Attempt(trial).run()); }
+Verdict run_trial(const Trial& trial) { return Attempt(trial).run(); }
 
-Outcome run_trial_despite_freezes(const Trial& trial) {
-  Outcome outcome = run_trial(trial);
-  for (int again = 0; again < 2 && outcome.late && outcome.violations.empty(); ++again)
-    outcome = run_trial(trial);
-  if (outcome.late)
-    outcome.violate("active for {:.1f} ms too long, {} ms are stated", outcome.overrun_ms,
+Verdict run_trial_despite_freezes(const Trial& trial) {
+  Verdict verdict = run_trial(trial);
+  for (int again = 0; again < 2 && verdict.counts["late"] > 0 && verdict.violations.empty(); ++again)
+    verdict = run_trial(trial);
+  if (verdict.counts["late"] > 0)
+    verdict.violate("active for {:.1f} ms too long, {} ms are stated", verdict.largest[kOverrun],
                     stated_ns(trial) / kMs);
-  return outcome;
+  return verdict;
 }
 
 }  // namespace strobe::ends

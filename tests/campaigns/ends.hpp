@@ -61,19 +61,14 @@ struct FailingCall {
 /// argument: 0 or more.
 FailingCall failing_call(int argument);
 
-struct Outcome : campaigns::Verdict {
-  bool done = false;        ///< the fault could be put there: rights, and a shot that reached the moment
-  bool ended = false;       ///< strobed ended of itself within the trial
-  double overrun_ms = 0.0;  ///< longest that an output was active after it had to be inactive
-  bool late = false;        ///< by more than is stated for this fault
-};
-
-/// Starts a rig, does it, ends the rig. std::runtime_error if the rig does not come up.
-Outcome run_trial(const Trial& trial);
+/// Starts a rig, does it, ends the rig. Counts what was "not possible" for lack of rights or of a shot that reached the
+/// moment, "ended strobed", and "late": an output was active for longer after it had to be inactive than is stated for
+/// this fault. std::runtime_error if the rig does not come up.
+campaigns::Verdict run_trial(const Trial& trial);
 
 /// The same up to three times while its outputs are inactive, but late: a virtual machine's host stands still
 /// for 10-170 ms in 1-2 % of the time. A violation if they are in the end.
-Outcome run_trial_despite_freezes(const Trial& trial);
+campaigns::Verdict run_trial_despite_freezes(const Trial& trial);
 
 /// What a table counts it under: "worker, a signal", "guardian, write fails".
 std::string family(const Trial& trial);

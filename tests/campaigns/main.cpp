@@ -91,7 +91,7 @@ int run(const Kind& kind, const Options& options, const std::string& own) {
   for (int number = first; number <= last; ++number) {
     const Verdict verdict = judged(kind.judge, options.seed, number);
     tables.add(verdict);
-    if (options.verbose || options.only > 0) fmt::print("{}: {}\n", number, verdict.trial);
+    if (options.verbose || options.only > 0) fmt::print("{}: {}\n", number, summary(verdict));
     fmt::print("{}", complaint(verdict, repetition(kind.name, options.seed, number, own)));
     if (options.only > 0) fmt::print("{}", verdict.words);
     std::fflush(stdout);

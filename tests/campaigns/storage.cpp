@@ -16,6 +16,7 @@ namespace strobe::storage {
 namespace {
 
 namespace fs = std::filesystem;
+using campaigns::Verdict;
 using testing::DiskFault;
 
 constexpr std::array kErrors{ENOSPC, EROFS, EDQUOT, EIO, ESTALE, EFBIG, EMFILE};
@@ -60,24 +61,24 @@ const std::string kOld(3'000'000, 'o');
 const std::string kNew(2'500'000, 'n');
 
 /// Of a file written in one go: told is what the writer said, empty if it is stored.
-Outcome judge_file(const fs::path& path, const std::string& told, const std::string& before,
+Verdict judge_file(const fs::path& path, const std::string& told, const std::string& before,
                    const std::string& wanted) {
-  Outcome outcome;
+  Verdict verdict;
   const std::string now = testing::read_text(path);
-  if (told.empty() && now != wanted) outcome.violate("told as stored, and is not");
-  if (now != before && now != wanted) outcome.violate("neither the old file nor the new one");
+  if (told.empty() && now != wanted) verdict.violate("told as stored, and is not");
+  if (now != before && now != wanted) verdict.violate("neither the old file nor the new one");
   if (!told.empty() && told.find(path.filename().string()) == told.npos)
-    outcome.violate("the file is not named");
+    verdict.violate("the file is not named");
   for (const auto& entry : fs::directory_iterator(path.parent_path()))
-    if (entry.path().extension() == ".new") outcome.violate("a draft is left over");
-  outcome.told = told;
+    if (entry.path().extension() == ".new") verdict.violate("a draft is left over");
+  verdict.words = told;
   const bool reached = testing::disk_faults_injected() > 0;
-  outcome.ending = !reached        ? Ending::not_reached
-                   : told.empty()  ? Ending::harmless
-                   : now == wanted ? Ending::told_stored
-                                   : Ending::refused;
-  if (!reached && !told.empty()) outcome.violate("told a failure that was none");
-  return outcome;
+  verdict.count(!reached        ? "not reached"
+                : told.empty()  ? "harmless"
+                : now == wanted ? "told, stored after all"
+                                : "refused");
+  if (!reached && !told.empty()) verdict.violate("told a failure that was none");
+  return verdict;
 }
 
 /// What the function returns, with the disk at fault meanwhile.
@@ -89,29 +90,29 @@ auto with_fault(const DiskFault& fault, const Function& function) {
   return result;
 }
 
-Outcome run_replaced(const fs::path& path, const DiskFault& fault) {
+Verdict run_replaced(const fs::path& path, const DiskFault& fault) {
   testing::write_text(path, kOld);
   const auto written = with_fault(fault, [&] { return config::write_file(path, kNew); });
   return judge_file(path, testing::error_of(written), kOld, kNew);
 }
 
-Outcome run_copied(const fs::path& path, const DiskFault& fault) {
+Verdict run_copied(const fs::path& path, const DiskFault& fault) {
   const fs::path from = path.parent_path() / "exposure.tif";
   testing::write_text(from, kNew);
   const auto copied = with_fault(fault, [&] { return config::copy_file(from, path); });
   return judge_file(path, testing::error_of(copied), "", kNew);
 }
 
-Outcome run_key(const fs::path& path, const DiskFault& fault) {
+Verdict run_key(const fs::path& path, const DiskFault& fault) {
   const auto made = with_fault(fault, [&] { return authentication::make_key_file(path); });
   const bool readable = authentication::read_key_file(path).has_value();
   const std::string wanted = made ? made->key.text() + "\n" : readable ? testing::read_text(path) : "a key";
-  Outcome outcome = judge_file(path, testing::error_of(made), "", wanted);
-  if (made && !readable) outcome.violate("the key cannot be read");
-  return outcome;
+  Verdict verdict = judge_file(path, testing::error_of(made), "", wanted);
+  if (made && !readable) verdict.violate("the key cannot be read");
+  return verdict;
 }
 
-Outcome run_target(const std::string& target, const fs::path& folder, const DiskFault& fault) {
+Verdict run_target(const std::string& target, const fs::path& folder, const DiskFault& fault) {
   if (target == "replaced file") return run_replaced(folder / "camera.toml", fault);
   if (target == "copied file") return run_copied(folder / "shot-0001-exposure.tif", fault);
   if (target == "key") return run_key(folder / "lab.key", fault);
@@ -154,16 +155,14 @@ Trial drawn(campaigns::Draws draws) {
   return trial;
 }
 
-Outcome run_trial(Trial trial) {
+Verdict run_trial(Trial trial) {
   const testing::TemporaryFolder folder;
   trial.fault.folder = folder.path().string();
-  Outcome outcome = run_target(trial.target, folder.path(), trial.fault);
-  outcome.trial = fmt::format("{}, {}: {}; told: \"{}\"", trial.target, to_text(trial.fault),
-                              kEndings[static_cast<std::size_t>(outcome.ending)], outcome.told);
-  outcome.rows = {{"file, call, error", row_of(trial)}};
-  for (std::size_t k = 0; k < kEndings.size(); ++k)
-    outcome.count(kEndings[k], k == static_cast<std::size_t>(outcome.ending) ? 1.0 : 0.0);
-  return outcome;
+  Verdict verdict = run_target(trial.target, folder.path(), trial.fault);
+  verdict.trial = fmt::format("{}, {}, told: \"{}\"", trial.target, to_text(trial.fault), verdict.words);
+  verdict.rows = {{"file, call, error", row_of(trial)}};
+  for (const char* ending : kEndings) verdict.count(ending, 0.0);
+  return verdict;
 }
 
 }  // namespace strobe::storage

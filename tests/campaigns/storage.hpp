@@ -18,22 +18,12 @@ struct Trial {
 
 Trial drawn(campaigns::Draws draws);
 
-enum class Ending {
-  not_reached,    ///< the call was not made so often
-  harmless,       ///< all is stored, nothing had to be told
-  refused,        ///< told at the start; nothing was begun, nothing touched
-  told_stored,    ///< told, the series ended, and all was stored after all
-  told_unstored,  ///< told, the series ended, and what is missing was named
-};
-
-struct Outcome : campaigns::Verdict {
-  Ending ending = Ending::not_reached;
-  std::string told;  ///< the first line told
-};
-
-Outcome run_trial(Trial trial);
+/// Counts how it ended: "not reached", the call was not made so often; "harmless", all is stored, nothing had to be told;
+/// "refused", told at the start, nothing was begun, nothing touched; "told, stored after all", and the series ended; "told,
+/// unstored named", the series ended, and what is missing was named. Its words are the first line told.
+campaigns::Verdict run_trial(Trial trial);
 
 /// Of a session: a series of three shots in a folder that holds an earlier one.
-Outcome run_session(const std::filesystem::path& folder, const testing::DiskFault& fault);
+campaigns::Verdict run_session(const std::filesystem::path& folder, const testing::DiskFault& fault);
 
 }  // namespace strobe::storage

@@ -22,6 +22,7 @@ namespace strobe::storage {
 namespace {
 
 namespace fs = std::filesystem;
+using campaigns::Verdict;
 using Message = ScriptedBench::Message;
 
 constexpr std::int64_t kHost = 0x1234;
@@ -30,26 +31,18 @@ constexpr Duration kLongest = std::chrono::minutes{5};  // of the bench's clock;
 constexpr const char* kFirstUtc = "20260131T093000Z";
 constexpr const char* kUtc = "20260131T100000Z";
 
-struct Told final : host::HostListener {
-  explicit Told(const ScriptedBench& bench) : bench_(bench) {}
+/// A run of the host: what it told, and left behind beside the disk.
+struct Run final : host::HostListener {
+  explicit Run(int shots_before) : bench(key, shots_before) {}
   void on_notification(const std::string& text) override {
-    if (text.starts_with("the series ends")) return;
-    lines.emplace_back(bench_.now(), text);
+    if (!text.starts_with("the series ends")) told.emplace_back(bench.now(), text);
   }
   void on_shot_result(const host::ShotResult& result) override { results.push_back(result.shot_id); }
-  std::vector<std::pair<Duration, std::string>> lines;
-  std::vector<int> results;
 
- private:
-  const ScriptedBench& bench_;
-};
-
-/// What a run of the host left behind, beside the disk.
-struct Run {
-  explicit Run(int shots_before) : bench(key, shots_before), told(bench) {}
   authentication::Key key = authentication::Key::random();
   ScriptedBench bench;
-  Told told;
+  std::vector<std::pair<Duration, std::string>> told;
+  std::vector<int> results;
   std::string refused;
   std::optional<Duration> failed_at;  ///< of the first call that failed
   bool succeeded = false, finished = false;
@@ -92,7 +85,7 @@ void fire(Run& run, const fs::path& folder, const char* utc, int shots, const te
   host::ShotSeriesSettings series;
   series.shots = shots;
   host::StoredSeries stored(settings, series, **opened, run.bench, run.bench);
-  stored.loop().add_listener(run.told);
+  stored.loop().add_listener(run);
   int turn = 0;
   const auto watch = [&] {
     run.taken_away = run.taken_away || take_away(fault, folder, ++turn);
@@ -157,7 +150,7 @@ class Judge {
   Judge(const fs::path& folder, const testing::DiskFault& fault, const Run& run, const Before& before)
       : folder_(folder), fault_(fault), run_(run), before_(before) {}
 
-  Outcome outcome() {
+  Verdict verdict() {
     if (run_.out_of_memory) return judge_unfinished();
     if (run_.taken_away) {
       judge_what_is_gone();
@@ -168,44 +161,44 @@ class Judge {
     }
     judge_words();
     const bool reached = testing::disk_faults_injected() > 0 || run_.taken_away;
-    outcome_.told = first_told();
-    outcome_.ending = !run_.refused.empty()   ? Ending::refused
-                      : !reached              ? Ending::not_reached
-                      : outcome_.told.empty() ? Ending::harmless
-                      : run_.unstored.empty() ? Ending::told_stored
-                                              : Ending::told_unstored;
-    return std::move(outcome_);
+    verdict_.words = first_told();
+    verdict_.count(!run_.refused.empty()    ? "refused"
+                   : !reached               ? "not reached"
+                   : verdict_.words.empty() ? "harmless"
+                   : run_.unstored.empty()  ? "told, stored after all"
+                                            : "told, unstored named");
+    return std::move(verdict_);
   }
 
  private:
   std::string first_told() const {
     if (!run_.refused.empty()) return run_.refused;
-    if (!run_.told.lines.empty()) return run_.told.lines.front().second;
+    if (!run_.told.empty()) return run_.told.front().second;
     return run_.unstored.empty() ? "" : run_.unstored.front();
   }
 
   void keeps_what_was_stored() {
     const Before now(folder_);
-    if (now.log != before_.log) outcome_.violate("the earlier log has changed");
-    if (!now.results.starts_with(before_.results)) outcome_.violate("earlier results are lost");
-    if (!now.flashes.starts_with(before_.flashes)) outcome_.violate("earlier flashes are lost");
+    if (now.log != before_.log) verdict_.violate("the earlier log has changed");
+    if (!now.results.starts_with(before_.results)) verdict_.violate("earlier results are lost");
+    if (!now.flashes.starts_with(before_.flashes)) verdict_.violate("earlier flashes are lost");
   }
 
   /// The program has said that there is not enough memory, and ended.
-  Outcome judge_unfinished() {
+  Verdict judge_unfinished() {
     keeps_what_was_stored();
     judge_log();
-    if (run_.bench.armed()) outcome_.violate("left armed");
-    outcome_.ending = Ending::told_unstored;
-    outcome_.told = "not enough memory";
-    return std::move(outcome_);
+    if (run_.bench.armed()) verdict_.violate("left armed");
+    verdict_.count("told, unstored named");
+    verdict_.words = "not enough memory";
+    return std::move(verdict_);
   }
 
   void judge_what_is_gone() {
-    if (run_.unstored.empty()) outcome_.violate("what is gone is not named");
-    if (run_.told.lines.empty()) return outcome_.violate("what is gone was not told");
-    if (run_.told.lines.front().first > *run_.failed_at + std::chrono::seconds{1})
-      outcome_.violate("told too late");
+    if (run_.unstored.empty()) verdict_.violate("what is gone is not named");
+    if (run_.told.empty()) return verdict_.violate("what is gone was not told");
+    if (run_.told.front().first > *run_.failed_at + std::chrono::seconds{1})
+      verdict_.violate("told too late");
   }
 
   void judge_log() {
@@ -213,12 +206,12 @@ class Judge {
     const fs::path path = folder_ / (std::string("host-") + kUtc + ".lcmlog");
     const Log log = read_log(path);
     const int lost = missing(run_.bench.messages(), log.messages);
-    if (lost < 0) outcome_.violate("the log holds what never came");
+    if (lost < 0) verdict_.violate("the log holds what never came");
     std::error_code error;
     const bool torn =
         (fs::exists(path, error) || !run_.out_of_memory) && fs::file_size(path, error) != log.bytes;
     if (torn && (run_.out_of_memory || !mentions(path.filename())))
-      outcome_.violate("the log holds a torn record, untold");
+      verdict_.violate("the log holds a torn record, untold");
     if (!run_.out_of_memory) lost_at(path.filename(), lost);
   }
 
@@ -230,7 +223,7 @@ class Judge {
          ++i)
       if (results[i].size() > 2) rows.insert(results[i][1] + "," + results[i][2]);
     int lost = 0;
-    for (const int shot : run_.told.results)
+    for (const int shot : run_.results)
       lost += !rows.contains(fmt::format("{:x},{}", ScriptedBench::kBoot + 1, shot));
     lost_at("results.csv", lost);
     const std::string text = testing::read_text(folder_ / "flashes.csv");
@@ -243,7 +236,7 @@ class Judge {
       const bool torn = !all.empty() && all.back() != '\n';
       const bool uneven =
           std::ranges::any_of(csv.rows, [&csv](const auto& row) { return row.size() != csv.columns.size(); });
-      if ((torn || uneven) && !mentions(table)) outcome_.violate("{} has a torn line, untold", table);
+      if ((torn || uneven) && !mentions(table)) verdict_.violate("{} has a torn line, untold", table);
     }
   }
 
@@ -255,49 +248,49 @@ class Judge {
   /// So many records are missing in the file.
   void lost_at(const std::string& file, int lost) {
     if (lost <= 0) return;
-    if (!mentions(file)) outcome_.violate("{}: {} records are lost and not named in the end", file, lost);
+    if (!mentions(file)) verdict_.violate("{}: {} records are lost and not named in the end", file, lost);
     const auto line = std::ranges::find_if(
-        run_.told.lines, [&](const auto& told) { return told.second.find(file) != told.second.npos; });
-    if (line == run_.told.lines.end()) return outcome_.violate("{}: a loss was not told", file);
+        run_.told, [&](const auto& told) { return told.second.find(file) != told.second.npos; });
+    if (line == run_.told.end()) return verdict_.violate("{}: a loss was not told", file);
     if (run_.failed_at && line->first > *run_.failed_at + std::chrono::seconds{1})
-      outcome_.violate("{}: told too late", file);
+      verdict_.violate("{}: told too late", file);
   }
 
   void judge_words() {
     if (!run_.refused.empty()) {
-      if (!run_.bench.fires().empty()) outcome_.violate("fired without a session");
+      if (!run_.bench.fires().empty()) verdict_.violate("fired without a session");
       return;
     }
-    if (!run_.finished) outcome_.violate("the series did not end");
-    if (!run_.told.lines.empty()) {
+    if (!run_.finished) verdict_.violate("the series did not end");
+    if (!run_.told.empty()) {
       for (const Duration fire : run_.bench.fires())
-        if (fire > run_.told.lines.front().first) outcome_.violate("fired after a failure was told");
+        if (fire > run_.told.front().first) verdict_.violate("fired after a failure was told");
     }
     const bool doubtful = fault_.error != EINTR && (fault_.call == "fsync" || fault_.call == "close");
     if (doubtful && testing::disk_faults_injected() > 0 && run_.unstored.empty())
-      outcome_.violate("what may be lost is not named");
-    const bool quiet = run_.told.lines.empty() && run_.unstored.empty();
-    if (quiet && !run_.succeeded) outcome_.violate("did not succeed, without a word");
+      verdict_.violate("what may be lost is not named");
+    const bool quiet = run_.told.empty() && run_.unstored.empty();
+    if (quiet && !run_.succeeded) verdict_.violate("did not succeed, without a word");
     if (testing::disk_faults_injected() == 0 && !run_.taken_away && !quiet)
-      outcome_.violate("told a failure that was none");
+      verdict_.violate("told a failure that was none");
   }
 
   const fs::path& folder_;
   const testing::DiskFault& fault_;
   const Run& run_;
   const Before& before_;
-  Outcome outcome_;
+  Verdict verdict_;
 };
 
 }  // namespace
 
-Outcome run_session(const fs::path& folder, const testing::DiskFault& fault) {
+Verdict run_session(const fs::path& folder, const testing::DiskFault& fault) {
   testing::clear_disk_fault();
   {
     Run first(0);
     fire(first, folder, kFirstUtc, 1, {});
     std::string words = first.refused;
-    for (const auto& [when, line] : first.told.lines) words += line + "; ";
+    for (const auto& [when, line] : first.told) words += line + "; ";
     for (const std::string& line : first.unstored) words += line + "; ";
     if (!first.succeeded || !words.empty()) throw std::runtime_error("the run without a fault: " + words);
   }
@@ -310,7 +303,7 @@ Outcome run_session(const fs::path& folder, const testing::DiskFault& fault) {
     run.out_of_memory = true;
   }
   testing::clear_disk_fault();
-  return Judge(folder, fault, run, before).outcome();
+  return Judge(folder, fault, run, before).verdict();
 }
 
 }  // namespace strobe::storage
