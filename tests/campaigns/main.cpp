@@ -55,7 +55,8 @@ void add_common(CLI::App& command, const Kind& kind, Options& options) {
                      "of all that is drawn (default: a random one, which is printed)");
   command.add_option("--only", options.only, "the one of this number, with the programs' words")
       ->check(CLI::PositiveNumber);
-  command.add_flag("-v,--verbose", options.verbose, "a line for each");
+  command.add_flag("-v,--verbose", options.verbose,
+                   "a line for each, and the programs' words where something was violated");
 }
 
 void add_own(CLI::App& command, loss::Choice& loss, resume::Trial& resume) {
@@ -93,12 +94,14 @@ int run(const Kind& kind, const Options& options, const std::string& own) {
     tables.add(verdict);
     if (options.verbose || options.only > 0) fmt::print("{}: {}\n", number, summary(verdict));
     fmt::print("{}", complaint(verdict, repetition(kind.name, options.seed, number, own)));
-    if (options.only > 0) fmt::print("{}", verdict.words);
+    const bool looked_at = options.only > 0 || (options.verbose && !verdict.violations.empty());
+    if (looked_at) fmt::print("{}", verdict.words);
     std::fflush(stdout);
     if (isatty(STDERR_FILENO) != 0 || number % std::max(1, last / 10) == 0)
       fmt::print(stderr, "{} of {}, {} violated\n", number, last, tables.violated());
   }
-  fmt::print("{}\n{} of {} trials violated\n", tables.text(), tables.violated(), last - first + 1);
+  fmt::print("{}\n{} of {} trials violated\n", options.only > 0 ? "" : tables.text(), tables.violated(),
+             last - first + 1);
   return tables.violated() == 0 ? kDone : kFailed;
 }
 

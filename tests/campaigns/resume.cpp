@@ -30,9 +30,18 @@ hil::RigFixtureOptions rig_options(const Trial& trial, const Draws& draws,
   return trial.photographs ? with_small_photographs(options, camera) : options;
 }
 
-enum class Kind { kill, first_interrupt, two_interrupts, terminate, quit, full_disk, firmware_killed };
-constexpr std::array kNames{"the host killed", "Ctrl-C",      "Ctrl-C twice",  "SIGTERM",
-                            "Ctrl-\\",         "a full disk", "strobed killed"};
+struct Interruption {
+  const char* name;
+  std::vector<int> signals;  ///< to the host; none: its disk is full
+  bool of_strobed = false;   ///< which is killed before
+};
+const std::vector<Interruption> kInterruptions{{"the host killed", {SIGKILL}},
+                                               {"Ctrl-C", {SIGINT}},
+                                               {"Ctrl-C twice", {SIGINT, SIGINT}},
+                                               {"SIGTERM", {SIGTERM}},
+                                               {"Ctrl-\\", {SIGQUIT}},
+                                               {"a full disk", {}},
+                                               {"strobed killed", {SIGKILL}, true}};
 
 /// With the folder of its camera.
 class Session : testing::TemporaryFolder, campaigns::SeriesLab {
@@ -41,7 +50,7 @@ class Session : testing::TemporaryFolder, campaigns::SeriesLab {
       : SeriesLab(rig_options(trial, draws, TemporaryFolder::path()), draws), trial_(trial) {}
 
   Verdict run() {
-    for (int i = 0; i < trial_.interruptions; ++i) interrupt(static_cast<Kind>(draws_.between(0, 6)));
+    for (int i = 0; i < trial_.interruptions; ++i) interrupt(draws_.choice(kInterruptions));
     Process last(command({}), rig_.folder());
     if (end_of(last) != ExitStatus({0, 0})) verdict_.violate("the session did not come to its shots");
     nothing_is_fired_once_it_has_them();
@@ -80,36 +89,22 @@ class Session : testing::TemporaryFolder, campaigns::SeriesLab {
                                               host_folder().string(), file, nth, ENOSPC)}};
   }
 
-  void interrupt(Kind kind) {
-    const std::string name = kNames.at(static_cast<std::size_t>(kind));
-    verdict_.trial += verdict_.trial.empty() ? name : ", " + name;
-    Process host(command(kind == Kind::full_disk ? full_disk() : std::map<std::string, std::string>{}),
+  void interrupt(const Interruption& how) {
+    verdict_.trial += fmt::format("{}{}", verdict_.trial.empty() ? "" : ", ", how.name);
+    Process host(command(how.signals.empty() ? full_disk() : std::map<std::string, std::string>{}),
                  rig_.folder());
     // Somewhere from the shutter's opening to some time after the readout.
-    const int latest_ms = trial_.photographs ? 4000 : 900;
-    if (kind != Kind::full_disk && reach_instant_of_a_shot(host, latest_ms)) strike(kind, host);
-    if (!end_of(host)) verdict_.violate("the host did not end after {}", name);
+    if (!how.signals.empty() && reach_instant_of_a_shot(host, trial_.photographs ? 4000 : 900))
+      strike(how, host);
+    if (!end_of(host)) verdict_.violate("the host did not end after {}", how.name);
   }
 
-  void strike(Kind kind, Process& host) {
-    switch (kind) {
-      case Kind::kill:
-        return host.signal(SIGKILL);
-      case Kind::first_interrupt:
-        return host.signal(SIGINT);
-      case Kind::two_interrupts:
-        host.signal(SIGINT);
-        testing::sleep_for(std::chrono::milliseconds(draws_.between(0, 300)));
-        return host.signal(SIGINT);
-      case Kind::terminate:
-        return host.signal(SIGTERM);
-      case Kind::quit:
-        return host.signal(SIGQUIT);
-      case Kind::firmware_killed:
-        if (const pid_t worker = rig_.worker(); worker != 0) ::kill(worker, SIGKILL);
-        return host.signal(SIGKILL);
-      case Kind::full_disk:
-        return;
+  void strike(const Interruption& how, Process& host) {
+    const pid_t worker = how.of_strobed ? rig_.worker() : 0;
+    if (worker != 0) kill(worker, SIGKILL);
+    for (std::size_t i = 0; i < how.signals.size(); ++i) {
+      if (i > 0) testing::sleep_for(std::chrono::milliseconds(draws_.between(0, 300)));
+      host.signal(how.signals[i]);
     }
   }
 
