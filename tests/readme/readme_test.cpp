@@ -116,8 +116,9 @@ bool is_subcommand(const std::string& word) {
 
 /// What a command names that its program's help does not.
 std::vector<std::string> unknown_names(const std::string& command) {
-  static const std::set<std::string> programs{
-      "strobe", "strobed", "strobe-sim", "strobe-bench", "strobe-contradictions", "strobe-soak"};
+  static const std::set<std::string> programs{"strobe",       "strobed",         "strobe-sim",
+                                              "strobe-bench", "strobe-campaign", "strobe-contradictions",
+                                              "strobe-soak"};
   static const std::regex option("--[a-z][a-z-]*");
   const std::vector<std::string> words = words_of(command);
   if (words.empty() || programs.count(words[0]) == 0) return {};

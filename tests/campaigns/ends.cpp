@@ -1,0 +1,337 @@
+#include "tests/campaigns/ends.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+
+#include "tests/campaigns/remote_call.hpp"
+#include "tests/hil/line_watcher.hpp"
+#include "tests/hil/raw_host.hpp"
+#include "tests/hil/rig_fixture.hpp"
+
+namespace strobe::ends {
+namespace {
+
+using campaigns::Verdict;
+using hil::kMs;
+using hil::LineChange;
+using hil::LineChanges;
+using hil::LineWatcher;
+using hil::RawHost;
+using hil::RigFixture;
+using testing::monotonic_now_ns;
+using namespace std::chrono_literals;
+
+constexpr const char* kOverrun = "longest active beyond the plan, ms";
+constexpr std::int64_t kPeriod = 5 * kMs, kExposure = 250 * kMs;
+// Of the shipped rig file.
+constexpr std::int64_t kLampOn = 50'000, kTriggerOn = 20 * kMs;
+/// A process that ends, and an output that cannot be set.
+constexpr std::int64_t kAtOnce = kMs;
+/// From the death of both to `strobed --safe`, which their service manager starts.
+constexpr std::int64_t kBySafe = 2000 * kMs;
+/// Of the clock's reading and the file's, far above both.
+constexpr std::int64_t kSlack = 100 * kMs;
+/// Longest that a trial waits for what its fault leads to: a guardian that hangs is given up after 5 s.
+constexpr auto kSettle = 8s;
+
+bool is_stop(const Trial& trial) {
+  return trial.fault == FaultKind::stop || (trial.fault == FaultKind::signal && trial.argument == SIGSTOP);
+}
+
+std::int64_t stated_ns(const Trial& trial) {
+  if (trial.fault == FaultKind::signal && trial.victim == Victim::both)
+    return trial.argument == SIGKILL ? kBySafe : kAtOnce;
+  if (trial.fault == FaultKind::signal && !is_stop(trial)) return kAtOnce;
+  return trial.victim == Victim::both ? kBySafe : hil::hang_known_within();
+}
+
+std::int64_t planned_on(const std::string& output) {
+  if (output == "SHUTTER") return kExposure;
+  return output == "TRIGGER" ? kTriggerOn : kLampOn;
+}
+
+/// What is put under strobed, and taken away again with the object.
+class Fault {
+ public:
+  Fault(const Trial& trial, const RigFixture& rig, LineWatcher& watch) : trial_(trial), watch_(watch) {
+    if (trial.victim != Victim::guardian) victims_.push_back(rig.worker());
+    if (trial.victim != Victim::worker) victims_.push_back(rig.guardian());
+  }
+  ~Fault() {
+    if (!is_stop(trial_)) return;
+    for (const pid_t pid : victims_) kill(pid, SIGCONT);
+  }
+
+  /// The instant, or 0 if it could not be done.
+  std::int64_t put() {
+    const std::int64_t now = monotonic_now_ns();
+    if (trial_.fault == FaultKind::removed_chip) {
+      watch_.unplug();
+      return now;
+    }
+    for (const pid_t pid : victims_)
+      if (pid == 0 || !put_under(pid)) return 0;
+    return now;
+  }
+
+ private:
+  bool put_under(pid_t pid) {
+    switch (trial_.fault) {
+      case FaultKind::signal:
+        return kill(pid, trial_.argument) == 0;
+      case FaultKind::stop:
+        return kill(pid, SIGSTOP) == 0;
+      case FaultKind::held_thread:
+        return hold(drawn_of(threads_of(pid)));
+      case FaultKind::ended_thread:
+        return end(drawn_of(threads_of(pid)));
+      case FaultKind::closed_file:
+        return close_file(pid);
+      case FaultKind::failing_call:
+        return fail_call(pid);
+      case FaultKind::no_descriptors:
+        return limit(pid, RLIMIT_NOFILE, 0);
+      case FaultKind::no_file_growth:
+        return limit(pid, RLIMIT_FSIZE, 0);
+      case FaultKind::no_memory:
+        return limit(pid, RLIMIT_AS, 0);
+      case FaultKind::no_real_time:
+        return limit(pid, RLIMIT_RTTIME, 1);
+      case FaultKind::removed_chip:
+        break;
+    }
+    return false;
+  }
+
+  template <typename T>
+  T drawn_of(const std::vector<T>& all) const {
+    return all.empty() ? T{-1} : all[static_cast<std::size_t>(trial_.argument) % all.size()];
+  }
+  bool hold(pid_t thread) {
+    held_.push_back(std::make_unique<HeldThread>(thread));
+    return held_.back()->held();
+  }
+  static bool end(pid_t thread) {
+    HeldThread held(thread);
+    held.end();
+    return !held.held();
+  }
+  bool close_file(pid_t pid) const {
+    std::vector<int> files;
+    std::error_code gone;
+    for (const auto& entry :
+         std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/fd", gone))
+      if (const int file = std::stoi(entry.path().filename().string()); file > STDERR_FILENO)
+        files.push_back(file);
+    std::sort(files.begin(), files.end());
+    HeldThread held(pid);
+    return held.call(SYS_close, {drawn_of(files)}) == 0;
+  }
+  bool fail_call(pid_t pid) const {
+    const FailingCall call = failing_call(trial_.argument);
+    HeldThread held(pid);
+    return fail_system_call(held, pid, call.number, call.error);
+  }
+  static bool limit(pid_t pid, __rlimit_resource resource, rlim_t value) {
+    const rlimit both{value, value};
+    return prlimit(pid, resource, &both, nullptr) == 0;
+  }
+
+  const Trial& trial_;
+  LineWatcher& watch_;
+  std::vector<pid_t> victims_;
+  std::vector<std::unique_ptr<HeldThread>> held_;
+};
+
+hil::RigFixtureOptions options_of(const Trial& trial) {
+  hil::RigFixtureOptions options;
+  options.rig_edits = {{"lag_ms = 310", "lag_ms = 70"}};  // shots that begin soon; nobody looks at the ball
+  if (!trial.keeps) options.scene_addition = "[chip]\non_release = \"input\"\n";
+  // As systemd's ExecStopPost: what is left when both are broken.
+  if (trial.victim == Victim::both) options.shell = "\"$@\"; \"$1\" --safe --config \"$3\"";
+  return options;
+}
+
+class Attempt {
+ public:
+  explicit Attempt(const Trial& trial) : trial_(trial), rig_(options_of(trial)), host_(rig_) {
+    if (!rig_.ready()) throw std::runtime_error("strobed did not come up:\n" + rig_.log());
+    if (!host_.wait_status()) throw std::runtime_error("strobed is silent:\n" + rig_.log());
+    worker_ = rig_.worker();
+    guardian_ = rig_.guardian();
+  }
+
+  Verdict run() {
+    LineWatcher watch(rig_.chip_dir());
+    if (reach_moment(watch)) {
+      const std::int64_t at = monotonic_now_ns() + trial_.delay_us * 1000;
+      while (monotonic_now_ns() < at) host_.listen(0ms);
+      Fault fault(trial_, rig_, watch);
+      put_ = fault.put();
+      if (put_ != 0) settle(watch);
+      ended_ = put_ != 0 && gone();
+    }
+    end();
+    if (put_ != 0) {
+      judge_lines();
+      judge_journal();
+    }
+    report();
+    return std::move(verdict_);
+  }
+
+ private:
+  /// False if no shot came so far.
+  bool reach_moment(LineWatcher& watch) {
+    if (trial_.moment == Moment::at_rest) return true;
+    token_ = host_.arm();
+    if (token_ == 0) return false;
+    if (trial_.moment == Moment::armed) return true;
+    fire();
+    return moment_comes(watch);
+  }
+
+  bool moment_comes(LineWatcher& watch) const {
+    switch (trial_.moment) {
+      case Moment::trigger_on:
+        return watch.wait_for("TRIGGER", 1, 3s) != 0;
+      case Moment::shutter_on:
+        return watch.wait_for("SHUTTER", 1, 3s) != 0;
+      case Moment::flash:
+        return watch.wait_for_nth("STROBE_A", 1, trial_.nth, 3s) != 0;
+      case Moment::shutter_off:
+        return watch.wait_for("STROBE_A", 1, 3s) != 0 && watch.wait_for("SHUTTER", 0, 3s) != 0;
+      case Moment::at_rest:
+      case Moment::armed:
+        break;
+    }
+    return true;
+  }
+
+  void fire() {
+    strobe_msgs::command_t fire = host_.fire_command(token_, false);
+    fire.plan.period_ns = kPeriod;
+    fire.plan.shutter_open_ns = kExposure;
+    fire.plan.impact_at_ns = 50 * kMs;
+    host_.send(fire);
+    token_ = 0;
+    ++fired_;
+  }
+
+  bool gone() const { return testing::program_of(worker_).empty() && testing::program_of(guardian_).empty(); }
+
+  /// Until strobed has ended or the shot is over; a firmware at rest is asked for a shot first.
+  void settle(LineWatcher& watch) {
+    if (trial_.moment == Moment::at_rest) token_ = host_.arm(500ms);
+    if (token_ != 0) fire();
+    const bool fires = trial_.moment != Moment::at_rest || fired_ > 0;
+    const auto inactive = [&watch] {
+      return std::none_of(hil::kOutputs.begin(), hil::kOutputs.end(),
+                          [&watch](const std::string& line) { return watch.state(line).level != 0; });
+    };
+    const std::int64_t begin = watch.now_ns();
+    // No output may come again for longer than a shot has from one to the next.
+    std::int64_t quiet_since = begin;
+    testing::wait_until(
+        [&] {
+          if (!inactive()) quiet_since = watch.now_ns();
+          const std::int64_t now = watch.now_ns();
+          const bool over = inactive() || now - begin > kExposure + kBySafe + kSlack;
+          return (gone() && over) || now - quiet_since > (fires ? 400 : 100) * kMs;
+        },
+        kSettle);
+    settled_ = watch.now_ns();
+  }
+
+  /// Whatever the fault has left of them: neither may outlive the trial.
+  void end() {
+    rig_.sim().signal(SIGTERM);
+    rig_.sim().wait(3s);
+    for (const pid_t pid : {guardian_, worker_})
+      if (!testing::program_of(pid).empty()) kill(pid, SIGKILL);
+  }
+
+  void judge_lines() {
+    const LineChanges changes = rig_.changes();
+    const bool at_once = trial_.fault == FaultKind::signal && ended_ && !is_stop(trial_);
+    for (const std::string& output : hil::kOutputs) {
+      std::int64_t since = 0;
+      int level = 0;
+      for (const LineChange& change : changes.all()) {
+        if (change.line != output || change.level == level) continue;
+        level = change.level;
+        if (level != 0) since = change.time_ns;
+        if (level == 0 && change.time_ns >= put_) judge_interval(output, since, change.time_ns, at_once);
+      }
+      if (level != 0) judge_interval(output, since, INT64_MAX, at_once);
+    }
+    if (changes.rises("TRIGGER") > fired_)
+      verdict_.violate("{} trigger pulses for {} shots", changes.rises("TRIGGER"), fired_);
+  }
+
+  void judge_interval(const std::string& output, std::int64_t from, std::int64_t to, bool at_once) {
+    const std::int64_t due = at_once ? std::max(put_, from) : std::max(put_, from + planned_on(output));
+    if (to > settled_) {
+      // On a machine that stood still a shot can begin so late that the end of the trial cuts it off.
+      if (settled_ - due <= stated_ns(trial_)) return;
+      verdict_.violate("{} active {} ms after the fault, when the trial ended", output,
+                       (settled_ - put_) / kMs);
+      return;
+    }
+    overrun_ = std::max(overrun_, to - due);
+  }
+
+  /// Whole to the last event, with no gap.
+  void judge_journal() {
+    std::int64_t expected = 1;
+    for (const auto& event : hil::read_log(rig_.journal()).events) {
+      if (event.sequence != expected)
+        verdict_.violate("the journal has event {} where {} was due", event.sequence, expected);
+      expected = event.sequence + 1;
+    }
+    if (expected == 1) verdict_.violate("the journal has no event");
+  }
+
+  void report() {
+    verdict_.trial = describe(trial_);
+    verdict_.words = rig_.log();
+    verdict_.rows = {{"fault", family(trial_)}, {"moment", name(trial_.moment)}};
+    verdict_.count("not possible", put_ == 0);
+    verdict_.count("ended strobed", ended_);
+    verdict_.count("late", overrun_ > stated_ns(trial_));
+    verdict_.largest[kOverrun] = static_cast<double>(overrun_) / kMs;
+  }
+
+  const Trial& trial_;
+  RigFixture rig_;
+  RawHost host_;
+  pid_t worker_ = 0, guardian_ = 0;
+  std::int64_t token_ = 0, put_ = 0, settled_ = 0;
+  std::int64_t overrun_ = 0;  ///< longest that an output was active after it had to be inactive
+  int fired_ = 0;
+  bool ended_ = false;  ///< strobed of itself, within the trial
+  Verdict verdict_;
+};
+
+}  // namespace
+
+Verdict run_trial(const Trial& trial) { return Attempt(trial).run(); }
+
+Verdict run_trial_despite_freezes(const Trial& trial) {
+  Verdict verdict = run_trial(trial);
+  for (int again = 0; again < 2 && verdict.counts["late"] > 0 && verdict.violations.empty(); ++again)
+    verdict = run_trial(trial);
+  if (verdict.counts["late"] > 0)
+    verdict.violate("active for {:.1f} ms too long, {} ms are stated", verdict.largest[kOverrun],
+                    stated_ns(trial) / kMs);
+  return verdict;
+}
+
+}  // namespace strobe::ends
