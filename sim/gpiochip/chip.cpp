@@ -209,6 +209,7 @@ bool Chip::set_clocks(Duration suspended, Duration wall_step) const {
 }
 
 void Chip::begin_time() const { impl_->state().time.begun.store(1); }
+void Chip::hold_time() const { impl_->state().time.begun.store(0); }
 
 ChangeCursor Chip::cursor_now() const { return {gpio::newest(impl_->state())}; }
 

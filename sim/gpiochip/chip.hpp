@@ -120,8 +120,10 @@ class Chip {
                  const std::optional<gpio::TimeKeeper::Repeatable>& repeatable = std::nullopt);
   /// Of rig time: the machine was suspended for so long, and its wall clock is set by as much. False: none is kept.
   bool set_clocks(Duration suspended, Duration wall_step) const;
-  /// Though no other program has joined yet.
+  /// Rig time goes on, though no other program has joined yet.
   void begin_time() const;
+  /// It stands still until begin_time(), or until another program joins.
+  void hold_time() const;
   /// The calling process takes part in rig time, whatever program it becomes.
   void join_time() const;
 

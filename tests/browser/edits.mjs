@@ -123,11 +123,13 @@ export function edits() {
   check('what the host cannot use is told in its words, and stays to be put right', async () => {
     const { page, text } = await correcting();
     await choose(page, 3);
-    // All but one: no flight is left to be measured.
-    for (let position = 0; (await page.locator(`${found}:not(.is-removed)`).count()) > 1; ++position) {
-      await page.locator(found).nth(position).focus();
+    // All but one: no flight is left to be measured. Each preview may give the others another order.
+    const left = page.locator(`${found}:not(.is-removed)`);
+    for (let count = await left.count(); count > 1; --count) {
+      await left.first().focus();
       await page.keyboard.press('Enter');
       await page.keyboard.press('Delete');
+      await until(async () => (await left.count()) === count - 1, 'one image less');
     }
     await text(/(\[\[remove\]\]\n[^\n]*\n\s*){3,}/);
     await page.locator('.edit-problem, .edit-verdict').filter({ hasText: /./ }).first().waitFor();

@@ -44,11 +44,13 @@ bool flood_in_mid_train(const RigFixture& bench, strobe::testing::Process& fire)
   for (int flash = 0; flash < 3; ++flash)
     if (watch.wait_for("STROBE_A", 1, fire) == 0) return false;
   const pid_t reader = bench.worker();
+  watch.hold_time();  // a reader that is stopped for too long makes its next flash late
   kill(reader, SIGSTOP);
   CHECK(strobe::testing::wait_until([&] { return stands_still(reader); }, kLongestWait));
   for (int i = 0; i < kFlood; ++i)
     for (const int level : {1, 0}) watch.drive("SENSOR_A", level);
   kill(reader, SIGCONT);
+  watch.release_time();
   return true;
 }
 
