@@ -44,12 +44,13 @@ struct timespec to_timespec(std::int64_t ns) {
 }  // namespace
 
 int clock_gettime(clockid_t clock, struct timespec* time) {
-  // The next one: this library has its own, and a program may be preloaded with it.
+  // libc's: the preloaded library has its own, and a program that has this one may be preloaded with it.
   using Function = int(clockid_t, struct timespec*);
   static std::atomic<Function*> native{nullptr};
   Function* found = native.load(std::memory_order_relaxed);
   if (found == nullptr) {
-    found = reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, "clock_gettime"));
+    void* const libc = ::dlopen("libc.so.6", RTLD_LAZY | RTLD_NOLOAD);
+    found = reinterpret_cast<Function*>(::dlsym(libc != nullptr ? libc : RTLD_NEXT, "clock_gettime"));
     native.store(found, std::memory_order_relaxed);
   }
   return found(clock, time);
