@@ -12,10 +12,13 @@
 #include <array>
 #include <utility>
 
+#include "sim/gpiochip/system.hpp"
+
 namespace strobe::sim::gpio {
 namespace {
 
 constexpr std::size_t kRoom = 16384;
+constexpr std::int64_t kLongestPreemption = 1'000'000'000;  // then the kernel tells less than is thought
 thread_local std::array<char, kRoom> stat_text;
 
 /// As in proc(5).
@@ -81,9 +84,11 @@ void ThreadStates::list_new_threads(pid_t pid, Program& program) const {
     if (tid == 0 || tid == excepted_) continue;
     char stat[96];
     char schedstat[96];
+    char wchan[96];
     snprintf(stat, sizeof stat, "%s/%d/stat", path, tid);
     snprintf(schedstat, sizeof schedstat, "%s/%d/schedstat", path, tid);
-    program.threads.push_back({tid, File(stat), File(schedstat)});
+    snprintf(wchan, sizeof wchan, "%s/%d/wchan", path, tid);
+    program.threads.push_back({tid, File(stat), File(schedstat), File(wchan)});
   }
   ::closedir(folder);
 }
@@ -93,7 +98,8 @@ std::uint64_t ThreadStates::activity() {
   for (auto& [pid, program] : programs_)
     for (Thread& thread : program.threads) {
       const Schedule schedule = schedule_of(thread.schedstat.read());
-      sum += schedule.ran_ns + schedule.runs;
+      thread.activity = schedule.ran_ns + schedule.runs;
+      sum += thread.activity;
     }
   return sum;
 }
@@ -129,6 +135,30 @@ bool ThreadStates::network_is_quiet() {
   return true;
 }
 
+/// The kernel says where a thread sleeps only if it waits for no core. One that is preempted as it lies down, or while wait(2)
+/// clears up after a child, is in the state of a sleeper, too, and goes on by itself.
+bool ThreadStates::has_settled(Program& program, Thread& thread) const {
+  const char* const stat = thread.stat.read();
+  if (thread.activity == thread.settled || stat == nullptr || state_of(stat) != 'S') return true;
+  const char* const wchan = thread.wchan.read();
+  const bool told = wchan != nullptr && strcmp(wchan, "0") != 0;
+  program.tells_wchan = program.tells_wchan || told;
+  return told || !program.tells_wchan;
+}
+
+bool ThreadStates::all_have_settled() {
+  std::uint64_t activity = 0;
+  bool settled = true;
+  for (auto& [pid, program] : programs_)
+    for (Thread& thread : program.threads) {
+      settled = settled && has_settled(program, thread);
+      activity += thread.activity;
+    }
+  if (settled || activity != unsettled_) unsettled_since_ns_ = sys::now_ns();
+  unsettled_ = activity;
+  return settled || sys::now_ns() - unsettled_since_ns_ > kLongestPreemption;
+}
+
 bool ThreadStates::all_asleep() {
   for (auto& [pid, program] : programs_)
     for (Thread& thread : program.threads)
@@ -138,7 +168,10 @@ bool ThreadStates::all_asleep() {
   // threads make the second one larger.
   const std::uint64_t before = activity();
   for (auto& [pid, program] : programs_) list_new_threads(pid, program);
-  return network_is_quiet() && all_sleep() && activity() == before;
+  if (!network_is_quiet() || !all_sleep() || !all_have_settled() || activity() != before) return false;
+  for (auto& [pid, program] : programs_)
+    for (Thread& thread : program.threads) thread.settled = thread.activity;
+  return true;
 }
 
 std::uint64_t ThreadStates::consumed_ns(pid_t pid, pid_t tid) {

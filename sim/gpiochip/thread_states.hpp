@@ -46,15 +46,21 @@ class ThreadStates {
     pid_t tid;
     File stat;
     File schedstat;
+    File wchan;
+    std::uint64_t activity = 0;  ///< when it was looked at last
+    std::uint64_t settled = 0;   ///< when it was last known to have left the processor to sleep
   };
   struct Program {
     std::uint64_t links = 0;  ///< of its folder of threads: 2 more than threads
     std::vector<Thread> threads;
+    bool tells_wchan = false;  ///< it may be read
   };
   /// Changes if any thread has had the processor, be it for a moment.
   std::uint64_t activity();
   bool sleeps(Program& program, Thread& thread);
   bool all_sleep();
+  bool has_settled(Program& program, Thread& thread) const;
+  bool all_have_settled();
   void list_new_threads(pid_t pid, Program& program) const;
   bool network_is_quiet();
 
@@ -62,6 +68,8 @@ class ThreadStates {
   pid_t running_ = 0;
   std::map<pid_t, Program> programs_;
   File softnet_;
+  std::uint64_t unsettled_ = 0;         ///< all activity, when one was last found not to have settled
+  std::int64_t unsettled_since_ns_ = 0;  ///< of the machine's clock
 };
 
 }  // namespace strobe::sim::gpio

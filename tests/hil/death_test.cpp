@@ -371,9 +371,11 @@ TEST(Death, OfNobodyIsTheEndOfStandardErrorOrOfTheNetwork) {
   CHECK(host.fire_until_flash(watch, shot_of, kFlashAttempts) != 0);
   const strobe::testing::Command no_route{{"ip", "route", "del", "224.0.0.0/4", "dev", "lo"}, {}, {}, {}};
   const strobe::testing::Command route{{"ip", "route", "add", "224.0.0.0/4", "dev", "lo"}, {}, {}, {}};
-  const bool cut = strobe::testing::run_process(no_route, 5s).status == strobe::testing::ExitStatus({0, 0});
-  CHECK(watch.wait_for("SHUTTER", 0, 5s) != 0);
-  if (cut) strobe::testing::run_process(route, 5s);
+  const bool cut =
+      strobe::testing::run_process(no_route, kLongestWait).status == strobe::testing::ExitStatus({0, 0});
+  const bool closed = watch.wait_for("SHUTTER", 0, kLongestWait) != 0;
+  if (cut) strobe::testing::run_process(route, kLongestWait);  // the next tests need it, too
+  CHECK(closed);
   CHECK(host.wait([&] { return host.status().state == strobe_msgs::status_t::SPENT; }, kLongestWait));
   const std::int32_t shot = host.status().last_shot_id;
   const std::int64_t token = host.arm();

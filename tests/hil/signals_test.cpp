@@ -92,7 +92,11 @@ TEST(Signals, OfATerminalReachTheGuardianOnly) {
   CHECK(getpgid(bench.worker()) != getpgid(bench.guardian()));
 }
 
-TEST(Signals, OfJobControlStopNeitherProcessNorShot) {
+TEST_GROUP(JobControl){};
+
+TEST(JobControl, StopsNeitherProcessNorShot) {
+  RigFixture bench;
+  expect_ready(bench);
   RawHost host(bench);
   CHECK(host.wait_status());
   LineWatcher watch(bench.chip_dir());

@@ -15,6 +15,7 @@
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"
 #include "tests/support/sealed_sender.hpp"
+#include "tests/support/skip.hpp"
 
 #include "tests/support/string_from.hpp"
 
@@ -229,6 +230,8 @@ TEST(Stranger, WhoFloodsTheBusDuringAShotCostsNoEvent) {
     CHECK_TEXT(fire.wait_for_out("vx_td_mps", 60s), fire.err().c_str());
     packets = flooder.stop();
     const auto ended = fire.wait(30s);
+    if (count_of(fire.err(), " us late)") > std::size_t{kRetriesInRealTime})
+      return strobe::testing::skip("the machine made each of the shots late");
     CHECK_TEXT(ended == strobe::testing::ExitStatus({0, 0}), fire.err().c_str());
     CHECK_TEXT(fire.err().find("still missing") == std::string::npos, fire.err().c_str());
   }
