@@ -213,7 +213,9 @@ TEST(Stranger, WhoPlaysALogBackWhileShotsAreFiredHasNoBallMoreThrown) {
   check_balls(bench, fire, 2);
 }
 
-TEST(Stranger, WhoFloodsTheBusDuringAShotCostsNoEvent) {
+TEST_GROUP(Flood){};
+
+TEST(Flood, OfTheBusDuringAShotCostsNoEvent) {
   RigFixtureOptions options;
   options.rig_edits = kShortExposure;
   options.sim_options = {"--time", "real"};  // rig time would wait for programs that a flood never lets sleep
