@@ -118,7 +118,8 @@ class Chip {
   /// thread that is to take part.
   void keep_time(gpio::Pace pace,
                  const std::optional<gpio::TimeKeeper::Repeatable>& repeatable = std::nullopt);
-  /// Of rig time: the machine was suspended for so long, and its wall clock is set by as much. False: none is kept.
+  /// Of rig time: the machine was suspended for so long, and its wall clock is set by as much. False: none
+  /// is kept.
   bool set_clocks(Duration suspended, Duration wall_step) const;
   /// Rig time goes on, though no other program has joined yet.
   void begin_time() const;

@@ -14,7 +14,8 @@ Duration RigClock::since_boot() const {
 }
 
 WallTime RigClock::wall() const {
-  return WallTime{Duration{state_ != nullptr ? gpio::realtime_ns(*state_) : gpio::sys::clock_ns(CLOCK_REALTIME)}};
+  return WallTime{
+      Duration{state_ != nullptr ? gpio::realtime_ns(*state_) : gpio::sys::clock_ns(CLOCK_REALTIME)}};
 }
 
 void RigClock::sleep_for(Duration duration) const { static_cast<void>(poll(nullptr, 0, duration)); }

@@ -94,8 +94,8 @@ void lower(std::atomic<std::int64_t>& least, std::int64_t value) {
   }
 }
 
-/// Time never goes back. While the loop runs nobody else sets it: without a locked instruction, which would be half of
-/// what a look costs.
+/// Time never goes back. While the loop runs nobody else sets it: without a locked instruction, which would
+/// be half of what a look costs.
 std::int64_t raise(std::atomic<std::int64_t>& latest, std::int64_t value) {
   std::int64_t before = latest.load();
   if (self.is_loop) {

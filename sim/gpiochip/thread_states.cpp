@@ -135,8 +135,9 @@ bool ThreadStates::network_is_quiet() {
   return true;
 }
 
-/// The kernel says where a thread sleeps only if it waits for no core. One that is preempted as it lies down, or while wait(2)
-/// clears up after a child, is in the state of a sleeper, too, and goes on by itself.
+/// The kernel says where a thread sleeps only if it waits for no core. One that is preempted as it lies
+/// down, or while wait(2) clears up after a child, is in the state of a sleeper, too, and goes on by
+/// itself.
 bool ThreadStates::has_settled(Program& program, Thread& thread) const {
   const char* const stat = thread.stat.read();
   if (thread.activity == thread.settled || stat == nullptr || state_of(stat) != 'S') return true;
@@ -164,8 +165,8 @@ bool ThreadStates::all_asleep() {
     for (Thread& thread : program.threads)
       if (thread.tid == running_ && !sleeps(program, thread)) return false;
   running_ = 0;
-  // If nobody has run between the two sums, nobody was woken but by a datagram: who slept within, slept throughout. New
-  // threads make the second one larger.
+  // If nobody has run between the two sums, nobody was woken but by a datagram: who slept within, slept
+  // throughout. New threads make the second one larger.
   const std::uint64_t before = activity();
   for (auto& [pid, program] : programs_) list_new_threads(pid, program);
   if (!network_is_quiet() || !all_sleep() || !all_have_settled() || activity() != before) return false;

@@ -68,7 +68,7 @@ class ThreadStates {
   pid_t running_ = 0;
   std::map<pid_t, Program> programs_;
   File softnet_;
-  std::uint64_t unsettled_ = 0;         ///< all activity, when one was last found not to have settled
+  std::uint64_t unsettled_ = 0;          ///< all activity, when one was last found not to have settled
   std::int64_t unsettled_since_ns_ = 0;  ///< of the machine's clock
 };
 

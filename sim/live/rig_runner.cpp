@@ -11,8 +11,8 @@ namespace strobe::sim {
 namespace {
 
 constexpr Duration kLongestWait = milliseconds(100);  // latency of stop()
-constexpr Duration kDriveTooLate = milliseconds(3);  // a sensor edge as late as the next flash may confuse
-constexpr int kPriority = 40;                        // below the program under test, above everything else
+constexpr Duration kDriveTooLate = milliseconds(3);   // a sensor edge as late as the next flash may confuse
+constexpr int kPriority = 40;                         // below the program under test, above everything else
 
 void become_prompt() {
   prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);

@@ -23,8 +23,8 @@ Result<std::vector<std::uint8_t>> encode(const cv::Mat& pixels, PhotographFormat
 
 std::string extension(PhotographFormat format) { return format == PhotographFormat::png ? ".png" : ".tif"; }
 
-Result<void> write_photograph(const std::filesystem::path& path, const cv::Mat& pixels, PhotographFormat format,
-                              std::optional<WallTime> written) {
+Result<void> write_photograph(const std::filesystem::path& path, const cv::Mat& pixels,
+                              PhotographFormat format, std::optional<WallTime> written) {
   const auto bytes = encode(pixels, format);
   if (!bytes) return fail(path.string() + ": " + bytes.error().message);
   const std::filesystem::path part = path.string() + ".part";

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 
 #include "common/result.hpp"
@@ -16,9 +16,9 @@ namespace strobe::sim {
 /// ".tif" or ".png"
 std::string extension(PhotographFormat format);
 
-/// Uncompressed TIFF, or PNG. The file appears complete under its name, over an older one. `written`: its time of last
-/// change, the machine's if none is given. The error names the file.
-Result<void> write_photograph(const std::filesystem::path& path, const cv::Mat& pixels, PhotographFormat format,
-                              std::optional<WallTime> written = std::nullopt);
+/// Uncompressed TIFF, or PNG. The file appears complete under its name, over an older one. `written`: its
+/// time of last change, the machine's if none is given. The error names the file.
+Result<void> write_photograph(const std::filesystem::path& path, const cv::Mat& pixels,
+                              PhotographFormat format, std::optional<WallTime> written = std::nullopt);
 
 }  // namespace strobe::sim

@@ -60,8 +60,9 @@ TEST(Repeat, ASeedGivesTheSameBytes) {
   const auto second = bytes_of_run(5, camera_again.path());
   CHECK_EQUAL(3U, readouts(first.at("readouts.jsonl")).size());
   CHECK_EQUAL(first.size(), second.size());
-  CHECK_TEXT(std::ranges::count_if(first, [](const auto& file) { return file.first.ends_with(".lcmlog"); }) == 2,
-             "the journal and the host's log");
+  CHECK_TEXT(
+      std::ranges::count_if(first, [](const auto& file) { return file.first.ends_with(".lcmlog"); }) == 2,
+      "the journal and the host's log");
   for (const auto& [name, bytes] : first) CHECK_TEXT(second.at(name) == bytes, name.c_str());
 }
 

@@ -38,7 +38,8 @@ struct RigFixtureOptions {
 /// frozen machine can make late. For RigFixtureOptions::rig_edits.
 inline const std::vector<std::pair<std::string, std::string>> kShortExposure{
     {"shutter_open_ms = 500", "shutter_open_ms = 160"}, {"impact_at_ms = 250", "impact_at_ms = 80"}};
-/// For RigFixtureOptions::sim_options where only programs in the rig's time do anything: no RawHost, no hand at the lines.
+/// For RigFixtureOptions::sim_options where only programs in the rig's time do anything: no RawHost, no
+/// hand at the lines.
 inline const std::vector<std::string> kFastTime{"--time", "fast"};
 /// In the machine's own time, shots that may be fired again where any but the last are to count. Such a machine makes one
 /// in five late; where others compile beside it, one in two has been seen: a dozen in a row is then one in 4000.

@@ -1,4 +1,5 @@
-// What a machine that sleeps, or whose wall clock is set, does to a series: played in rig time, for all its programs at once.
+// What a machine that sleeps, or whose wall clock is set, does to a series: played in rig time, for all its
+// programs at once.
 #include <algorithm>
 
 #include "tests/hil/expect_ready.hpp"
@@ -23,8 +24,8 @@ TEST_GROUP(Suspension) {
   /// A series during whose first or second shot the clocks are set. Returns what it said.
   std::string fire(int shots, const std::vector<std::string>& clocks, ExitStatus expected) {
     expect_ready(bench);
-    std::vector<std::string> words{program("strobe-sim"), "clock", "--chip-dir", bench.chip_dir(),
-                                   "--after",             "STROBE_A=10"};
+    std::vector<std::string> words{program("strobe-sim"), "clock",   "--chip-dir",
+                                   bench.chip_dir(),      "--after", "STROBE_A=10"};
     words.insert(words.end(), clocks.begin(), clocks.end());
     auto setting = bench.start({words, {}, {}});
     const auto fired = strobe::testing::run_process(bench.fire(shots, 0, {"--plain"}), kLongestWait);
@@ -57,7 +58,8 @@ TEST(Suspension, IsNotPlayedWhereARigLivesInTheMachinesTime) {
   RigFixture real(options);
   expect_ready(real);
   const auto refused = strobe::testing::run_process(
-      {{program("strobe-sim"), "clock", "--chip-dir", real.chip_dir(), "--suspend", "1"}, {}, {}}, kLongestWait);
+      {{program("strobe-sim"), "clock", "--chip-dir", real.chip_dir(), "--suspend", "1"}, {}, {}},
+      kLongestWait);
   CHECK_EQUAL(ExitStatus({1, 0}), refused.status);
   CHECK_TEXT(has(refused.err, "--time wall or fast is wanted"), refused.err.c_str());
 }

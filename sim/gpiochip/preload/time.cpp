@@ -86,8 +86,8 @@ __attribute__((constructor)) void join() {
   gpio::join_time(*state, getpid());
 }
 
-/// One that another thread has woken goes on once that one sleeps, as do those whom it wakes; nobody waits for the mutex
-/// meanwhile.
+/// One that another thread has woken goes on once that one sleeps, as do those whom it wakes; nobody waits
+/// for the mutex meanwhile.
 void wait_for_turn(gpio::State& state, pthread_mutex_t* mutex) {
   pthread_mutex_unlock(mutex);
   gpio::wait_for_turn(state);

@@ -65,8 +65,9 @@ LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& fold
   // A key of its own: both programs find it there.
   std::ofstream(script) << "export XDG_CONFIG_HOME='" << folder.string() << "'\nrig='"
                         << (folder / "rig.toml").string() << "'\n"
-                        << bin << "/strobe-sim run --time " << time << " --scene zero_23 --no-digitizer --lcm-url '" << url
-                        << "' -- " << (strobed.empty() ? bin + "/strobed" : strobed.string())
+                        << bin << "/strobe-sim run --time " << time
+                        << " --scene zero_23 --no-digitizer --lcm-url '" << url << "' -- "
+                        << (strobed.empty() ? bin + "/strobed" : strobed.string())
                         << " --config $rig --session " << session << " --lcm-url '" << url
                         << "' --allow-no-rt &\nsim=$!\n"
                         << bin << "/strobe fire --rig $rig --dry --shots " << shots << " --retries " << shots

@@ -175,9 +175,10 @@ void add_timing_command(CLI::App& app, int& exit_status) {
                          "without such freezes.\n"
                          "Example: strobe-bench timing --rounds 3 --seconds 15 --plot timing.png");
   add_study_options(*command, *options);
-  command->add_flag("--programs", options->programs,
-                    "also strobed with strobe fire and strobe-sim, from its journal: in the machine's time and in the "
-                    "rig's, which is to be like that of an idle machine");
+  command->add_flag(
+      "--programs", options->programs,
+      "also strobed with strobe fire and strobe-sim, from its journal: in the machine's time and in the "
+      "rig's, which is to be like that of an idle machine");
   command
       ->add_option("--other-strobed", options->other_strobed,
                    "also with this strobed, such as one made with another libgpiod, in turns with --programs")

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <string>
 
@@ -93,6 +94,13 @@ TEST(PhotographFile, AppearsUnderItsNameOnlyWhenItIsWhole) {
   FolderEar ear(folder.path());
   CHECK_TRUE(write_photograph(folder / "a.tif", numbers(CV_8UC1, 1), PhotographFormat::tiff).has_value());
   CHECK_EQUAL("a.tif.part:created a.tif.part:closed a.tif.part:from a.tif:to ", ear.heard());
+}
+
+TEST(PhotographFile, BearsTheTimeThatItIsGivenBeforeItAppears) {
+  const strobe::WallTime written{std::chrono::sys_days{std::chrono::year{2000} / 1 / 1}};
+  const fs::path path = folder / "a.tif";
+  CHECK_TRUE(write_photograph(path, numbers(CV_8UC1, 1), PhotographFormat::tiff, written).has_value());
+  CHECK(std::chrono::file_clock::to_sys(fs::last_write_time(path)) == written);
 }
 
 TEST(PhotographFile, ThatCannotBeWrittenIsNamedAndLeavesNothing) {
