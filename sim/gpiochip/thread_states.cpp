@@ -139,8 +139,9 @@ bool ThreadStates::network_is_quiet() {
 /// down, or while wait(2) clears up after a child, is in the state of a sleeper, too, and goes on by
 /// itself.
 bool ThreadStates::has_settled(Program& program, Thread& thread) const {
+  if (thread.activity == thread.settled) return true;
   const char* const stat = thread.stat.read();
-  if (thread.activity == thread.settled || stat == nullptr || state_of(stat) != 'S') return true;
+  if (stat == nullptr || state_of(stat) != 'S') return true;
   const char* const wchan = thread.wchan.read();
   const bool told = wchan != nullptr && strcmp(wchan, "0") != 0;
   program.tells_wchan = program.tells_wchan || told;
