@@ -82,13 +82,12 @@ void ThreadStates::list_new_threads(pid_t pid, Program& program) const {
   while (const dirent* entry = ::readdir(folder)) {
     const pid_t tid = atoi(entry->d_name);
     if (tid == 0 || tid == excepted_) continue;
-    char stat[96];
-    char schedstat[96];
-    char wchan[96];
-    snprintf(stat, sizeof stat, "%s/%d/stat", path, tid);
-    snprintf(schedstat, sizeof schedstat, "%s/%d/schedstat", path, tid);
-    snprintf(wchan, sizeof wchan, "%s/%d/wchan", path, tid);
-    program.threads.push_back({tid, File(stat), File(schedstat), File(wchan)});
+    const auto open = [&path, tid](const char* name) {
+      char file[96];
+      snprintf(file, sizeof file, "%s/%d/%s", path, tid, name);
+      return File(file);
+    };
+    program.threads.push_back({tid, open("stat"), open("schedstat"), open("wchan")});
   }
   ::closedir(folder);
 }
