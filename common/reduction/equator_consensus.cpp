@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "common/reduction/spin_line.hpp"
-#include "common/reduction/student_t.hpp"
+#include "common/statistics/distributions.hpp"
 #include "common/units/angles.hpp"
 
 namespace strobe::reduction {
@@ -140,7 +140,7 @@ std::vector<std::size_t> outside_consensus(const std::vector<EquatorReading>& re
     const double variance = scale * (consensus.noise(i, line.slope()) + line.variance_at(readings[i].time_s));
     const double t = std::abs(off) / std::sqrt(variance);
     const double chance =
-        std::min(student_t_tail(t, freedom), std::erfc(t / kMaxNoiseRatio / std::sqrt(2.0)));
+        std::min(statistics::student_t_tail(t, freedom), std::erfc(t / kMaxNoiseRatio / std::sqrt(2.0)));
     if (!(chance * chances < false_alarms)) return {};
   }
   return outside;

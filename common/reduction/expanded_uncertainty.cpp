@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/reduction/student_t.hpp"
+#include "common/statistics/distributions.hpp"
 
 namespace strobe::reduction {
 
@@ -18,9 +18,10 @@ std::optional<double> expanded_uncertainty(const Readout& readout, Quantity quan
   if (!sd) return std::nullopt;
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const double freedom = readout.degrees_of_freedom[quantity].value_or(kInfinite);
-  const double noise = *sd * student_t_half_width(kExpandedLevel, freedom) / student_t_sigma(freedom);
-  const double tolerances =
-      readout.sd_systematic[quantity].value_or(0.0) * student_t_half_width(kExpandedLevel, kInfinite);
+  const double noise =
+      *sd * statistics::student_t_half_width(kExpandedLevel, freedom) / statistics::student_t_sigma(freedom);
+  const double tolerances = readout.sd_systematic[quantity].value_or(0.0) *
+                            statistics::student_t_half_width(kExpandedLevel, kInfinite);
   return std::hypot(noise, tolerances);
 }
 

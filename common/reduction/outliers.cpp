@@ -8,8 +8,8 @@
 
 #include "common/reduction/residual_test.hpp"
 #include "common/reduction/scale_check.hpp"
-#include "common/reduction/student_t.hpp"
 #include "common/reduction/variance_test.hpp"
+#include "common/statistics/distributions.hpp"
 
 namespace strobe::reduction {
 namespace {
@@ -84,7 +84,7 @@ double chance_of_square(double square, double degrees_of_freedom, int dimensions
   if (!(rest > 0.0)) return 0.0;
   if (dimensions == 2)
     return std::pow(1.0 + square / (rest * left), -0.5 * left);  // F(2, left) in closed form
-  return student_t_tail(std::sqrt(square / rest), left);
+  return statistics::student_t_tail(std::sqrt(square / rest), left);
 }
 
 void Suspects::consider(double square, NoiseGroup noise, int dimensions, double chances, std::size_t image,

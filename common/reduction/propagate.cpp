@@ -1,15 +1,14 @@
 #include "common/reduction/propagate.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
 #include "common/reduction/court_pace.hpp"
-#include "common/reduction/student_t.hpp"
 #include "common/reduction/surface_crossing.hpp"
 #include "common/reduction/time_response.hpp"
+#include "common/statistics/distributions.hpp"
 #include "common/units/angles.hpp"
 
 namespace strobe::reduction {
@@ -97,7 +96,7 @@ class Uncertainty {
     const double sd = std::sqrt(variance);
     if (!(uncertain > 0.0)) return Statistical{sd, {}};
     const double freedom = std::max(1.0 / uncertain, fewest);  // Welch-Satterthwaite
-    return Statistical{sd * student_t_sigma(freedom), freedom};
+    return Statistical{sd * statistics::student_t_sigma(freedom), freedom};
   }
 
   /// Of the ball's diameter, where its tolerance is known, and of the air.
@@ -174,23 +173,25 @@ class Uncertainty {
   bool any_estimated_ = false;
 };
 
-/// Symmetric and positive semidefinite, to rounding. For assertions.
+/// Symmetric and positive semidefinite, to rounding: Cholesky's pivots of the correlations, each raised by the
+/// tolerance, are positive. For assertions.
 [[maybe_unused]] bool is_covariance(const PrimaryCovariance& covariance) {
-  Eigen::Matrix<double, kPrimaryCount, kPrimaryCount> m;
+  constexpr double kTolerance = 1e-9;
+  PrimaryCovariance root{};
   for (std::size_t i = 0; i < kPrimaryCount; ++i) {
-    for (std::size_t k = 0; k < kPrimaryCount; ++k)
-      m(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = covariance[i][k];
+    for (std::size_t k = 0; k <= i; ++k) {
+      const double both = covariance[i][k];
+      if (!std::isfinite(both) || !std::isfinite(covariance[i][i])) return true;  // of frames of no ball
+      if (both != covariance[k][i] || covariance[i][i] < 0.0) return false;
+      const double scale = std::sqrt(covariance[i][i]) * std::sqrt(covariance[k][k]);
+      double left = scale > 0.0 ? both / scale : both;  // variances span twenty orders
+      if (i == k) left += kTolerance;
+      for (std::size_t j = 0; j < k; ++j) left -= root[i][j] * root[k][j];
+      if (i == k && !(left > 0.0)) return false;
+      root[i][k] = i == k ? std::sqrt(left) : left / root[k][k];
+    }
   }
-  if (!m.allFinite()) return true;  // of frames of no ball, whose sd overflow
-  if (m != m.transpose() || (m.diagonal().array() < 0.0).any()) return false;
-  for (Eigen::Index i = 0; i < m.rows(); ++i) {  // to correlations: variances span twenty orders
-    const double sd = std::sqrt(m(i, i));
-    if (sd == 0.0) continue;
-    m.row(i) /= sd;
-    m.col(i) /= sd;
-  }
-  const Eigen::SelfAdjointEigenSolver<decltype(m)> solver(m, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues().minCoeff() > -1e-9;
+  return true;
 }
 
 class Propagation {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/reduction/student_t.hpp"
+#include "common/statistics/distributions.hpp"
 
 namespace strobe::host {
 namespace {
@@ -25,7 +25,7 @@ double part_sd(const Budget& budget, Quantity q, bool systematic) {
 double estimated_sd(const Readout& readout, Quantity q) {
   const double sd = readout.sd[q].value_or(0.0);
   const auto& freedom = readout.degrees_of_freedom[q];
-  return freedom && *freedom > 0.0 ? sd / reduction::student_t_sigma(*freedom) : sd;
+  return freedom && *freedom > 0.0 ? sd / statistics::student_t_sigma(*freedom) : sd;
 }
 
 void scale_part(Budget& budget, Quantity q, bool systematic, double to) {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "common/reduction/expanded_uncertainty.hpp"
-#include "common/reduction/student_t.hpp"
+#include "common/statistics/distributions.hpp"
 
 namespace strobe::host {
 namespace {
@@ -33,8 +33,8 @@ struct Variances {
   /// Whether n shots of each find it: its distance from 0 is the interval's half width and the power's quantile more.
   bool find(double difference, double n1, double n2) const {
     const double nu = freedom(n1, n2);
-    const double quantiles = reduction::student_t_half_width(reduction::kExpandedLevel, nu) +
-                             reduction::student_t_half_width(2.0 * kPower - 1.0, nu);
+    const double quantiles = statistics::student_t_half_width(reduction::kExpandedLevel, nu) +
+                             statistics::student_t_half_width(2.0 * kPower - 1.0, nu);
     return quantiles * std::sqrt(total(n1, n2)) <= difference;
   }
 };
@@ -79,10 +79,10 @@ QuantityDifference difference_of(const QuantitySummary& a, const QuantitySummary
   d.total_sd = std::sqrt(v.total(a.n, b.n));
   const double freedom = v.freedom(a.n, b.n);
   if (std::isfinite(freedom)) d.degrees_of_freedom = freedom;
-  d.expanded_uncertainty = d.total_sd * reduction::student_t_half_width(reduction::kExpandedLevel, freedom);
+  d.expanded_uncertainty = d.total_sd * statistics::student_t_half_width(reduction::kExpandedLevel, freedom);
   d.decided = std::abs(d.difference) > d.expanded_uncertainty;
   if (d.total_sd > 0.0)
-    d.p_value = reduction::student_t_tail(std::abs(d.difference) / d.total_sd, freedom);
+    d.p_value = statistics::student_t_tail(std::abs(d.difference) / d.total_sd, freedom);
   else
     d.p_value = d.difference == 0.0 ? 1.0 : 0.0;
   d.asked = asked.value_or(std::abs(d.difference));

@@ -7,7 +7,7 @@
 
 #include "common/reduction/expanded_uncertainty.hpp"
 #include "common/reduction/running_statistics.hpp"
-#include "common/reduction/student_t.hpp"
+#include "common/statistics/distributions.hpp"
 
 namespace strobe::host {
 namespace {
@@ -77,7 +77,7 @@ void combine(QuantitySummary& s) {
     freedom = (s.n - 1) * ratio * ratio;  // Welch-Satterthwaite; what is shared has infinitely many
     s.degrees_of_freedom = freedom;
   }
-  s.expanded_uncertainty = *s.total_sd * reduction::student_t_half_width(reduction::kExpandedLevel, freedom);
+  s.expanded_uncertainty = *s.total_sd * statistics::student_t_half_width(reduction::kExpandedLevel, freedom);
 }
 
 /// The court pace is the ITF's for shots as it prescribes them only.
@@ -137,7 +137,7 @@ void Series::find_outliers(Quantity q, const QuantitySummary& s, std::vector<Ser
     const double others = (n - 1.0) * (n - 1.0) - n * g * g;  // their sum of squares, times (n - 1)
     if (!(others > 1e-9 * n * n)) continue;                   // they have no scatter
     const double t = g * std::sqrt(n * (n - 2.0) / others);
-    if (reduction::student_t_tail(t, n - 2.0) * n < kOutlierLevel)
+    if (statistics::student_t_tail(t, n - 2.0) * n < kOutlierLevel)
       found.push_back({names_[of(q).shots[i]], q, t * std::sqrt(n / (n - 1.0))});
   }
 }

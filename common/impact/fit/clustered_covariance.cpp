@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/impact/fit/quantiles.hpp"
+#include "common/statistics/distributions.hpp"
 
 namespace strobe::impact {
 
@@ -63,7 +63,7 @@ ClusteredCovariance clustered_covariance(const MatrixXd& jacobian, const VectorX
 double least_robust_share(double degrees_of_freedom) {
   constexpr double kByChance = 0.02;
   if (degrees_of_freedom < kFewDegrees) return 1.0;
-  return chi_squared_quantile(degrees_of_freedom, kByChance) / degrees_of_freedom;
+  return statistics::chi_squared_quantile(degrees_of_freedom, kByChance) / degrees_of_freedom;
 }
 
 std::vector<std::vector<Eigen::Index>> rows_of_pairs(const std::vector<std::vector<std::size_t>>& clusters) {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "common/impact/fit/clustered_covariance.hpp"
-#include "common/impact/fit/quantiles.hpp"
+#include "common/statistics/distributions.hpp"
 
 namespace strobe::impact {
 
@@ -18,7 +18,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 double t_quantile(double freedom) {
-  return students_t_quantile(std::min(freedom, kAsGoodAsNormal), 0.5 * (1.0 - kIntervalLevel));
+  return statistics::student_t_quantile(std::min(freedom, statistics::kAsGoodAsNormal),
+                                        0.5 * (1.0 - kIntervalLevel));
 }
 
 }  // namespace
@@ -27,7 +28,7 @@ ContactPosterior::ContactPosterior(const Fitter& least) : least_(least), mode_(l
   const VectorXd residuals = least.residuals_at(mode_);
   least_squares_ = residuals.squaredNorm();
   const bool stated = least.options().scale == CovarianceScale::stated;
-  freedom_ = stated ? kAsGoodAsNormal : std::max(1, least.degrees_of_freedom_between());
+  freedom_ = stated ? statistics::kAsGoodAsNormal : std::max(1, least.degrees_of_freedom_between());
   find_scale(jacobian(least.problem(), mode_), residuals);
 }
 
@@ -67,7 +68,7 @@ double ContactPosterior::log_density(const VectorXd& coordinates) const {
       adjustment_.size() > 0 ? VectorXd(mode_ + adjustment_ * (coordinates - mode_)) : coordinates;
   const double rise = (least_.residuals_at(at).squaredNorm() - least_squares_) / least_.variance();
   if (!std::isfinite(rise)) return -std::numeric_limits<double>::infinity();
-  if (freedom_ >= kAsGoodAsNormal) return -0.5 * rise;
+  if (freedom_ >= statistics::kAsGoodAsNormal) return -0.5 * rise;
   // A mode that the search missed by its tolerance may lie a little lower.
   const double above = std::max(rise / freedom_, -0.5);
   return -0.5 * (freedom_ + static_cast<double>(mode_.size())) * std::log1p(above);

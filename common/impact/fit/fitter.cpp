@@ -9,7 +9,7 @@
 
 #include "common/impact/fit/coefficient_prior.hpp"
 #include "common/impact/fit/contact_gradient.hpp"
-#include "common/impact/fit/quantiles.hpp"
+#include "common/statistics/distributions.hpp"
 
 namespace strobe::impact {
 
@@ -256,7 +256,7 @@ void Fitter::estimate_scatter() {
   if (left < 1.0 || total - groups < kFewestRepetitions || !(within > 0.0)) return;
   const double freedom_within = 2.0 * (total - groups);
   const double ratio = (between / left) / (within / freedom_within);
-  if (ratio <= 1.0 || f_tail(ratio, left, freedom_within) > kPoolingLevel) return;
+  if (ratio <= 1.0 || statistics::f_tail(ratio, left, freedom_within) > kPoolingLevel) return;
   const double typical_size = (total - squares / total) / (groups - 1.0);
   scatter_ = (ratio - 1.0) / typical_size;
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/impact/fit/quantiles.hpp"
 #include "common/impact/fit/regula_falsi.hpp"
+#include "common/statistics/distributions.hpp"
 
 namespace strobe::impact {
 
@@ -84,7 +84,8 @@ std::optional<double> limit_without_evidence(const Fitter& least, Parameter para
   if (!may_be_noise(least, without)) return std::nullopt;
   const int dof = without.degrees_of_freedom(), between = std::max(1, without.degrees_of_freedom_between());
   const bool stated = least.options().scale == CovarianceScale::stated;
-  const double t = students_t_quantile(stated ? kAsGoodAsNormal : between, 1.0 - kLimitLevel);
+  const double t =
+      statistics::student_t_quantile(stated ? statistics::kAsGoodAsNormal : between, 1.0 - kLimitLevel);
   const double rise = t * t * (stated ? 1.0 : without.reduced(chi2, dof));
   // Each with its own weights: the value of the least sum of squares is never excluded.
   return std::min(crossing(without, parameter, largest_that_matters(without, parameter), rise),

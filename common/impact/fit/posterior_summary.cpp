@@ -5,10 +5,10 @@
 
 #include "common/impact/fit/coefficient_prior.hpp"
 #include "common/impact/fit/contact_posterior.hpp"
-#include "common/impact/fit/quantiles.hpp"
 #include "common/sampling/adaptive_metropolis.hpp"
 #include "common/sampling/importance_sampling.hpp"
 #include "common/sampling/pareto_tail.hpp"
+#include "common/statistics/distributions.hpp"
 
 namespace strobe::impact {
 
@@ -31,7 +31,7 @@ struct Ends {
 /// Of each coordinate by the Laplace approximation.
 std::vector<Ends> laplace_ends(const ContactPosterior& posterior) {
   std::vector<Ends> out;
-  const double t = students_t_quantile(posterior.degrees_of_freedom(), kLowerLevel);
+  const double t = statistics::student_t_quantile(posterior.degrees_of_freedom(), kLowerLevel);
   for (Index k = 0; k < posterior.mode().size(); ++k) {
     const double reach = t * std::sqrt(posterior.scale()(k, k)), mode = posterior.mode()[k];
     out.push_back({mode - reach, mode, mode + reach});
@@ -109,7 +109,8 @@ double largest_shift(const std::vector<Ends>& ends, const std::vector<Ends>& lap
 /// Of the coordinates; that of a t distribution is the scale's, larger.
 MatrixXd coordinate_covariance(const ContactPosterior& posterior, const Posterior& found) {
   if (found.sample.points.size() > 0) return found.sample.covariance();
-  const double wider = students_t_quantile(posterior.degrees_of_freedom(), kAboveOneSd);
+  const double wider =
+      statistics::student_t_quantile(posterior.degrees_of_freedom(), statistics::kAboveOneSd);
   return wider * wider * posterior.scale();
 }
 

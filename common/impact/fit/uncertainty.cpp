@@ -5,7 +5,7 @@
 
 #include "common/impact/fit/clustered_covariance.hpp"
 #include "common/impact/fit/confidence_interval.hpp"
-#include "common/impact/fit/quantiles.hpp"
+#include "common/statistics/distributions.hpp"
 
 namespace strobe::impact {
 
@@ -82,7 +82,7 @@ Parameter redundant_parameter(const MatrixXd& jac, const std::vector<Index>& fit
 /// The variance of a parameter over that of the weights alone, and the degrees of freedom of Student's t.
 struct VarianceRatio {
   double variance = 1.0;
-  double degrees_of_freedom = kAsGoodAsNormal;
+  double degrees_of_freedom = statistics::kAsGoodAsNormal;
 };
 
 /// What is known of the uncertainty at the least sum of squares.
@@ -146,11 +146,13 @@ class Uncertainty {
       const VarianceRatio& ratio = ratios[static_cast<std::size_t>(k)];
       const double once = std::sqrt(ratio.variance * unscaled(k, k));
       const bool clustered = fitter_.options().scale == CovarianceScale::clustered;
-      sd[k] = once * (clustered ? students_t_quantile(ratio.degrees_of_freedom, kAboveOneSd) : 1.0);
+      sd[k] = once * (clustered
+                          ? statistics::student_t_quantile(ratio.degrees_of_freedom, statistics::kAboveOneSd)
+                          : 1.0);
       FittedParameter& out = fit_.parameters[index(parameter(columns_.fitted[static_cast<std::size_t>(k)]))];
       out.sd = sd[k];
       out.degrees_of_freedom = ratio.degrees_of_freedom;
-      const double t = students_t_quantile(ratio.degrees_of_freedom, 0.5 * (1.0 - kIntervalLevel));
+      const double t = statistics::student_t_quantile(ratio.degrees_of_freedom, 0.5 * (1.0 - kIntervalLevel));
       const Interval interval = profile_interval(
           fitter_, parameter(columns_.fitted[static_cast<std::size_t>(k)]), once, ratio.variance, t);
       out.lower = interval.lower;
@@ -172,7 +174,7 @@ class Uncertainty {
     VarianceRatio ratio = common_ratio();
     if (const auto unscaled = unscaled_covariance(both, kRankTolerance))
       ratio = ratios_of(both, *unscaled, correlated).back();
-    const double t = students_t_quantile(ratio.degrees_of_freedom, 1.0 - kLimitLevel);
+    const double t = statistics::student_t_quantile(ratio.degrees_of_freedom, 1.0 - kLimitLevel);
     FittedParameter& out = fit_.parameters[index(parameter(k))];
     out.degrees_of_freedom = ratio.degrees_of_freedom;
     set_limit(fitted, jacobian_.col(k), residuals_, t * t * ratio.variance, problem_, k, out);

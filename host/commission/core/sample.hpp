@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/reduction/running_statistics.hpp"
-#include "common/reduction/student_t.hpp"
+#include "common/statistics/distributions.hpp"
 
 namespace strobe::commission {
 
@@ -18,7 +18,7 @@ class Sample {
   double mean_sd() const { return count() > 1 ? sd() / std::sqrt(static_cast<double>(count())) : 0.0; }
   /// How far chance moves the mean, to either side with this probability: (0, 1), by Student's t.
   double mean_margin(double probability) const {
-    return count() > 1 ? reduction::student_t_half_width(probability, count() - 1.0) * mean_sd() : 0.0;
+    return count() > 1 ? statistics::student_t_half_width(probability, count() - 1.0) * mean_sd() : 0.0;
   }
   /// The true sd is smaller only as often as a normal deviate exceeds z (normal approximation of the logarithm).
   double sd_lower_bound(double z) const {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "common/reduction/student_t.hpp"
+#include "common/statistics/distributions.hpp"
 #include "tests/common/reduction/reduced_frames.hpp"
 
 #include <rapidcheck.h>
@@ -123,7 +123,7 @@ double part(const Budget& budget, Quantity q, bool systematic) {
 /// Without Student's factor.
 double estimated_sd(const Readout& readout, Quantity q) {
   const auto freedom = readout.degrees_of_freedom[q];
-  return *readout.sd[q] / (freedom ? student_t_sigma(*freedom) : 1.0);
+  return *readout.sd[q] / (freedom ? statistics::student_t_sigma(*freedom) : 1.0);
 }
 
 void check(const std::string& what, double expected, double actual, double share, double floor = 0.0) {

@@ -5,7 +5,7 @@
 #include "common/reduction/dual.hpp"
 #include "common/reduction/expanded_uncertainty.hpp"
 #include "common/reduction/running_statistics.hpp"
-#include "common/reduction/student_t.hpp"
+#include "common/statistics/distributions.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -46,20 +46,21 @@ TEST(StudentT, HoldsAsMuchAsOneSigmaOfANormal) {
   // GUM, table G.2, column 68.27 %: 1.84, 1.32, 1.20, 1.14, 1.11; 1.05 at 10; 1.03 at 20.
   for (const auto& [degrees, factor] :
        {std::pair{1, 1.84}, {2, 1.32}, {3, 1.20}, {5, 1.11}, {10, 1.05}, {20, 1.03}})
-    DOUBLES_EQUAL(factor, student_t_sigma(degrees), 0.005);
-  DOUBLES_EQUAL(1.0, student_t_sigma(1e9), 1e-12);
+    DOUBLES_EQUAL(factor, statistics::student_t_sigma(degrees), 0.005);
+  DOUBLES_EQUAL(1.0, statistics::student_t_sigma(1e9), 1e-12);
 }
 
 TEST(StudentT, HalfWidthsAreThoseOfTheTables) {
   // GUM, table G.2, column 95 %.
   for (const auto& [degrees, factor] : {std::pair{1, 12.71}, {2, 4.30}, {3, 3.18}, {10, 2.23}})
-    DOUBLES_EQUAL(factor, student_t_half_width(0.95, degrees), 0.005);
-  DOUBLES_EQUAL(1.95996, student_t_half_width(0.95, 1e9), 1e-5);
+    DOUBLES_EQUAL(factor, statistics::student_t_half_width(0.95, degrees), 0.005);
+  DOUBLES_EQUAL(1.95996, statistics::student_t_half_width(0.95, 1e9), 1e-5);
 }
 
 TEST(StudentT, TailsAreThoseOfTheTables) {
-  DOUBLES_EQUAL(0.05, student_t_tail(2.228, 10), 1e-4);  // the 95 % point of ten degrees of freedom
-  DOUBLES_EQUAL(0.3173, student_t_tail(1.0, 1e9), 1e-4);
+  DOUBLES_EQUAL(0.05, statistics::student_t_tail(2.228, 10),
+                1e-4);  // the 95 % point of ten degrees of freedom
+  DOUBLES_EQUAL(0.3173, statistics::student_t_tail(1.0, 1e9), 1e-4);
 }
 
 TEST_GROUP(ExpandedUncertainty) { Readout readout; };

@@ -8,7 +8,7 @@
 #include "common/flight/aerodynamics.hpp"
 #include "common/reduction/expanded_uncertainty.hpp"
 #include "common/reduction/reduce.hpp"
-#include "common/reduction/student_t.hpp"
+#include "common/statistics/distributions.hpp"
 #include "host/series/compare.hpp"
 #include "host/session/rejection.hpp"
 #include "sim/motion/shot_conditions.hpp"
@@ -138,7 +138,7 @@ void add_means(const Measured& m, SeriesCoverage& coverage) {
     const auto& truth = m.truth[static_cast<Quantity>(i)];
     if (!truth || !s.expanded_uncertainty) continue;
     coverage.means[i].add(s.mean - *truth, *s.expanded_uncertainty, square(s.shared_sd / *s.total_sd));
-    const double t = reduction::student_t_half_width(reduction::kExpandedLevel, s.n - 1.0);
+    const double t = statistics::student_t_half_width(reduction::kExpandedLevel, s.n - 1.0);
     coverage.by_scatter[i].add(s.mean - *truth, t * *s.standard_error, 0.0);
   }
 }
