@@ -1,9 +1,10 @@
 #include "host/digitize/path/leg_line.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "common/geometry/line.hpp"
@@ -58,15 +59,24 @@ BentFit bent_fit(std::span<const PathPoint> points, const std::vector<int>& memb
   return fit;
 }
 
+/// Moore-Penrose: members at two places only leave the bend open.
+Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(symmetric);  // ascending
+  const double least = 3.0 * std::numeric_limits<double>::epsilon() * axes.eigenvalues()[2];
+  const Eigen::Vector3d inverses =
+      axes.eigenvalues().unaryExpr([&](double value) { return value > least ? 1.0 / value : 0.0; });
+  return axes.eigenvectors() * inverses.asDiagonal() * axes.eigenvectors().transpose();
+}
+
 /// Bends the line unless that is more than gravity explains; then says how well it is known.
 void bend(std::span<const PathPoint> points, const std::vector<int>& members, double diameter_px,
           LegLine& line) {
   const BentFit fit = bent_fit(points, members, diameter_px, line);
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix3d> solver(fit.normal);
+  const Eigen::Matrix3d inverse = pseudo_inverse(fit.normal);
   const Eigen::Vector3d units(1.0, 1.0 / fit.scale_px, 1.0 / (fit.scale_px * fit.scale_px));
-  const Eigen::Vector3d c = units.cwiseProduct(solver.solve(fit.right));
+  const Eigen::Vector3d c = units.cwiseProduct(inverse * fit.right);
   if (!(std::abs(c[2]) <= kMaxBendOfDiameter / diameter_px)) return;
-  line.covariance = units.asDiagonal() * solver.pseudoInverse() * units.asDiagonal();
+  line.covariance = units.asDiagonal() * inverse * units.asDiagonal();
   line.bend_per_px = c[2];
   line.origin += c[0] * cv::Point2d(-line.along.y, line.along.x);
   line.along = to_point(geometry::Rotation2d(std::atan(c[1])) * to_eigen(line.along));
