@@ -1,7 +1,6 @@
 // The libc functions through which a program accesses the chip. Calls on anything else go to the next
 // library.
 #include <dirent.h>
-#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/gpio.h>
@@ -14,6 +13,7 @@
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
+#include "sim/gpiochip/preload/next.hpp"
 #include "sim/gpiochip/preload/records.hpp"
 #include "sim/gpiochip/preload/uapi.hpp"
 #include "sim/gpiochip/rig_time.hpp"
@@ -26,17 +26,6 @@ using gpio::Kind;
 using gpio::Node;
 
 namespace {
-
-template <typename Function>
-Function* next(Function*& cache, const char* name) {
-  // Racing threads find the same address.
-  Function* found = __atomic_load_n(&cache, __ATOMIC_RELAXED);
-  if (found == nullptr) {
-    found = reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
-    __atomic_store_n(&cache, found, __ATOMIC_RELAXED);
-  }
-  return found;
-}
 
 long answer(long result) {
   if (result >= 0) return result;
@@ -94,8 +83,8 @@ bool status_ours(const char* path, struct stat* status, int& result) {
   const int fd = gpio::sys::open(backing, O_PATH | O_CLOEXEC);
   result = fd;
   if (fd < 0) return true;
-  static int (*fstat_cache)(int, struct stat*) = nullptr;
-  result = next(fstat_cache, "fstat")(fd, status) == 0 ? 0 : -errno;
+  static auto* const next = gpio::next<int(int, struct stat*)>("fstat");
+  result = next(fd, status) == 0 ? 0 : -errno;
   gpio::sys::close(fd);
   if (node == Node::device && result == 0) {
     status->st_mode = S_IFCHR | (status->st_mode & 0777);
@@ -177,10 +166,10 @@ int scan_any(ScanFunction* native, const char* folder, struct dirent*** list, Sc
 
 }  // namespace
 
-#define STROBE_NEXT(type, name)   \
-  ([]() -> type* {                \
-    static type* cache = nullptr; \
-    return next(cache, name);     \
+#define STROBE_NEXT(type, name)                       \
+  ([]() -> type* {                                    \
+    static type* const next = gpio::next<type>(name); \
+    return next;                                      \
   }())
 
 STROBE_EXPORT int open(const char* path, int flags, ...) {
