@@ -20,18 +20,19 @@ MixtureComponent component(double e, double sd, double weight) {
   return c;
 }
 
+Readout mixed(const std::vector<MixtureComponent>& components) {
+  Readout readout;
+  readout.value = components.front().value;
+  readout.sd = components.front().sd;
+  readout.sd_systematic = components.front().sd_systematic;
+  readout.regime = components.front().regime;
+  mix(components, readout);
+  return readout;
+}
+
 }  // namespace
 
-TEST_GROUP(Mixture){Readout mixed(const std::vector<MixtureComponent>& components){Readout readout;
-readout.value = components.front().value;
-readout.sd = components.front().sd;
-readout.sd_systematic = components.front().sd_systematic;
-readout.regime = components.front().regime;
-mix(components, readout);
-return readout;
-}
-}
-;
+TEST_GROUP(Mixture){};
 
 TEST(Mixture, HasTheMeanAndTheTotalVariance) {
   const Readout r =
