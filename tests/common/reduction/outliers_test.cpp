@@ -81,3 +81,22 @@ TEST(Outliers, NoMoreThanAQuarterIsLeftOutThoughEachWouldStandOut) {
   CHECK_FALSE(r.flags.has(Flag::outlier_image));
   CHECK_TRUE(r.flags.has(Flag::residuals_exceed_noise));
 }
+
+TEST(Outliers, AnImageThatIsLeftOutLeavesTheShotThatThereIsWithoutIt) {
+  // In air, with equal intervals: other spins fit the equators, and friction rules them out.
+  const Frame whole = noisy(Setup{});
+  Frame with = whole, without = whole;
+  with.images[1].centre_px.x += 30.0;
+  with.images[1].centre_px.y += 40.0;
+  without.images.erase(without.images.begin() + 1);
+  const auto left_out = reduce(with, Estimator::best), never_there = reduce(without, Estimator::best);
+  CHECK_TRUE(left_out.has_value() && never_there.has_value());
+  CHECK_TRUE(left_out->flags.has(Flag::outlier_image));
+  CHECK_FALSE(left_out->flags.has(Flag::spin_aliased));
+  for (const Quantity q :
+       {Quantity::vx_td_mps, Quantity::vy_td_mps, Quantity::vx_lo_mps, Quantity::vy_lo_mps}) {
+    const double sd = never_there->sd[q].value();  // either fit ends within a millionth of it
+    equal(*never_there->value[q], left_out->value[q], 1e-5 * sd);
+    equal(sd, left_out->sd[q], 1e-5 * sd);
+  }
+}
