@@ -47,6 +47,21 @@ TEST(TomlBounds, BracketsWithinBracketsAreNotParsed) {
               error("y = 1\nx = " + repeated("{a=[", 50'000)));
 }
 
+TEST(TomlBounds, CharactersBeyondAsciiStandInQuotesAndCommentsOnly) {
+  const std::string stray = "a character beyond ASCII stands neither in quotes nor in a comment";
+  CHECK_EQUAL("f.toml:2: " + stray, error("a = 1\np\u00E9riode = 3\n"));
+  CHECK_EQUAL("f.toml:1: " + stray, error("a = 3\u3000\n"));
+  CHECK_EQUAL("", error("a = \"\u00E9\\n\" # \u00E9\nb = '\\\u00E9'\nc = \"\"\"\u00E9\n\u00E9\"\"\"\n"));
+  CHECK_EQUAL("", error("\xEF\xBB\xBF# a file of an editor that marks UTF-8\na = 1\n"));
+}
+
+TEST(TomlBounds, NoCharacterBeyondAsciiStandsBehindABackslashWhereTheParserLooksForBlanks) {
+  const std::string stray = "a character beyond ASCII stands behind a backslash";
+  CHECK_EQUAL("f.toml:1: " + stray, error("a = \"\"\"x\\\u00E9\"\"\"\n"));
+  CHECK_EQUAL("f.toml:2: " + stray, error("a = \"\"\"\nx\\ \n \u00E9\"\"\"\n"));
+  CHECK_EQUAL("", error("a = \"\"\"x\\ \n y\u00E9\"\"\"\n"));
+}
+
 TEST(TomlBounds, ALongTextIsNotParsed) {
   CHECK_EQUAL("f.toml:1: more than 1048576 bytes are no file of ours",
               error(std::string(kMaxToml_bytes + 1, '\n')));
