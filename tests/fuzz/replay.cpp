@@ -1,6 +1,5 @@
-// Runs a fuzzing entry point without libFuzzer: the seeds in a folder, then mutations of them for some
-// seconds.
-//   fuzz_replay NAME --corpus DIR [--seconds S] [--seed N] [--run I]     (--run: repeat one mutation alone)
+// Runs a fuzzing entry point without libFuzzer: the seeds in a folder, then so many mutations of them.
+//   fuzz_replay NAME --corpus DIR [--mutations N] [--seed N] [--run I]   (--run: repeat one mutation alone)
 //   fuzz_replay NAME FILE...                                             (repeat inputs that libFuzzer kept)
 #include <unistd.h>
 
@@ -9,7 +8,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -25,7 +23,7 @@ namespace {
 struct Options {
   strobe::fuzz::EntryPoint entry_point = nullptr;
   std::string corpus;
-  double seconds = 1.0;
+  std::uint64_t mutations = 1000;
   std::uint64_t seed = 1;
   std::optional<std::uint64_t> run;
   std::vector<std::string> files;
@@ -51,12 +49,6 @@ std::string contents(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-double seconds_now() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 void run_file(const Options& options, const std::filesystem::path& path) {
   std::snprintf(now_running, sizeof now_running, "crashed on %s\n", path.c_str());
   run_input(options, contents(path));
@@ -78,8 +70,8 @@ Options parse(int argc, char** argv) {
     const bool more = i + 1 < argc;
     if (word == "--corpus" && more)
       options.corpus = argv[++i];
-    else if (word == "--seconds" && more)
-      options.seconds = std::strtod(argv[++i], nullptr);
+    else if (word == "--mutations" && more)
+      options.mutations = std::strtoull(argv[++i], nullptr, 10);
     else if (word == "--seed" && more)
       options.seed = std::strtoull(argv[++i], nullptr, 10);
     else if (word == "--run" && more)
@@ -109,11 +101,10 @@ int replay_corpus(const Options& options) {
     run_mutation(options, seeds, *options.run);
     return EXIT_SUCCESS;
   }
-  const double end = seconds_now() + options.seconds;
-  std::uint64_t runs = 0;
-  for (; seconds_now() < end; ++runs) run_mutation(options, seeds, runs);
+  for (std::uint64_t run = 0; run < options.mutations; ++run) run_mutation(options, seeds, run);
   std::printf("%zu seeds and %llu mutations under seed %llu ran without a crash\n", seeds.size(),
-              static_cast<unsigned long long>(runs), static_cast<unsigned long long>(options.seed));
+              static_cast<unsigned long long>(options.mutations),
+              static_cast<unsigned long long>(options.seed));
   return EXIT_SUCCESS;
 }
 
@@ -124,7 +115,7 @@ int main(int argc, char** argv) {
   for (const int signal_number : {SIGABRT, SIGSEGV, SIGFPE, SIGBUS, SIGILL})
     std::signal(signal_number, tell_what_crashed);
   if (options.entry_point == nullptr || (options.corpus.empty() && options.files.empty())) {
-    std::fprintf(stderr, "usage: %s NAME --corpus DIR [--seconds S] [--seed N] [--run I] | FILE...\n",
+    std::fprintf(stderr, "usage: %s NAME --corpus DIR [--mutations N] [--seed N] [--run I] | FILE...\n",
                  argv[0]);
     return 2;
   }
