@@ -75,7 +75,7 @@ TEST(DataDictionary, HasTheUnitsThatTheScreenShows) {
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     const std::string unit(host::kQuantityLabels[i].unit);
     for (const char* prefix : {"", "sd_", "sd_systematic_"}) {
-      const Column& c = column(host::results_columns(), prefix + std::string(reduction::kQuantityNames[i]));
+      const Column c = column(host::results_columns(), prefix + std::string(reduction::kQuantityNames[i]));
       CHECK_EQUAL_TEXT(unit.empty() ? "1" : unit, c.unit, c.name.c_str());
     }
   }
