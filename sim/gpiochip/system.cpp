@@ -41,19 +41,23 @@ struct timespec to_timespec(std::int64_t ns) {
   return {static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
 }
 
+using ClockFunction = int(clockid_t, struct timespec*);
+std::atomic<ClockFunction*> native_clock{nullptr};
+
+/// libc's: the preloaded library has its own, and a program that has this one may be preloaded with it. Found before the
+/// program begins: dlopen() allocates, and a sanitizer's allocator asks for the time while it holds its lock.
+__attribute__((constructor)) void find_native_clock() {
+  void* const libc = ::dlopen("libc.so.6", RTLD_LAZY | RTLD_NOLOAD);
+  native_clock.store(
+      reinterpret_cast<ClockFunction*>(::dlsym(libc != nullptr ? libc : RTLD_NEXT, "clock_gettime")),
+      std::memory_order_relaxed);
+}
+
 }  // namespace
 
 int clock_gettime(clockid_t clock, struct timespec* time) {
-  // libc's: the preloaded library has its own, and a program that has this one may be preloaded with it.
-  using Function = int(clockid_t, struct timespec*);
-  static std::atomic<Function*> native{nullptr};
-  Function* found = native.load(std::memory_order_relaxed);
-  if (found == nullptr) {
-    void* const libc = ::dlopen("libc.so.6", RTLD_LAZY | RTLD_NOLOAD);
-    found = reinterpret_cast<Function*>(::dlsym(libc != nullptr ? libc : RTLD_NEXT, "clock_gettime"));
-    native.store(found, std::memory_order_relaxed);
-  }
-  return found(clock, time);
+  ClockFunction* const native = native_clock.load(std::memory_order_relaxed);
+  return native != nullptr ? native(clock, time) : static_cast<int>(call(SYS_clock_gettime, clock, time));
 }
 
 int open_at(int folder, const char* path, int flags, unsigned mode) {

@@ -8,6 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <atomic>
+
 #include "sim/gpiochip/preload/lines.hpp"
 #include "sim/gpiochip/system.hpp"
 
@@ -90,8 +92,10 @@ int open_watcher(State& state, std::uint32_t index, int flags) {
   return result;
 }
 
+std::atomic<const Device*> mapped_device{nullptr};
+
 /// Mapped before main, so that the first use is not the slow one.
-__attribute__((constructor)) void map_early() { device(); }
+__attribute__((constructor)) void map_early() { mapped_device.store(&device(), std::memory_order_release); }
 
 }  // namespace
 
@@ -99,6 +103,8 @@ const Device& device() {
   static const Device opened = open_device();
   return opened;
 }
+
+const Device* mapped_device_or_null() { return mapped_device.load(std::memory_order_acquire); }
 
 bool present() { return device().state != nullptr && device().state->unplugged.load() == 0; }
 

@@ -17,7 +17,10 @@ struct Device {
   char sysfs[96] = {};  ///< /sys/bus/gpio/devices/<name>/dev
 };
 
+/// Opened by the first call, which allocates.
 const Device& device();
+/// For whoever reads a clock: nullptr until the program begins, since an allocator may ask for the time with its lock held.
+const Device* mapped_device_or_null();
 
 /// The node exists: mapped and not unplugged.
 bool present();

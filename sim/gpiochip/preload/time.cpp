@@ -30,9 +30,10 @@ gpio::State* kept() {
   return state != nullptr && gpio::is_kept(*state) ? state : nullptr;
 }
 
-/// Null: rig time is not kept, nor was it.
+/// Null: rig time is not kept, nor was it, or the program has not begun.
 gpio::State* known() {
-  gpio::State* state = gpio::device().state;
+  const gpio::Device* device = gpio::mapped_device_or_null();
+  gpio::State* state = device != nullptr ? device->state : nullptr;
   const bool was_kept = state != nullptr && state->time.realtime_less_ns.load(std::memory_order_relaxed) != 0;
   return was_kept ? state : nullptr;
 }
