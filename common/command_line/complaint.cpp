@@ -68,9 +68,19 @@ std::string left_over(const CLI::App& command, const std::vector<std::string>& r
   return commands.empty() ? "\"" + rest[0] + "\" was not expected" : no_such("command", rest[0], commands);
 }
 
+/// "in range [1 - 9]", as CLI11 says since 2.4, in the words of 2.3: "in range 1 to 9".
+std::string with_range_in_words(std::string text) {
+  const std::string before = " in range [", between = " - ";
+  const std::size_t from = text.find(before), dash = text.find(between, from), to = text.find(']', dash);
+  if (from == std::string::npos || dash == std::string::npos || to == std::string::npos) return text;
+  text.erase(to, 1);
+  text.replace(dash, between.size(), " to ");
+  return text.erase(from + before.size() - 1, 1);
+}
+
 /// The library's words, but for those that name its types.
 std::string words_of(const CLI::ParseError& error) {
-  const std::string what = error.what();
+  const std::string what = with_range_in_words(error.what());
   if (what.empty()) return error.get_name();
   const bool short_of_values = dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr;
   const std::size_t colon = what.find(": ");
