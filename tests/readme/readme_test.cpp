@@ -82,7 +82,7 @@ void imitate_repository(const fs::path& folder) {
 std::string script_of(const std::string& readme, const std::vector<Block>& blocks) {
   std::string script =
       "set -eo pipefail\n"
-      "trap 'status=$?; set +e; trap - ERR; jobs -p | xargs -r kill; wait; exit $status' EXIT\n"
+      "trap 'status=$?; set +e; trap - ERR; kill $(jobs -p); wait; exit $status' EXIT\n"
       "trap 'echo \"failed ($?): $BASH_COMMAND\" >&2' ERR\n";
   for (const Block& block : blocks)
     if (runs(block)) script += fmt::format("echo '-- {}:{}' >&2\n{}", readme, block.line, block.text);
