@@ -125,8 +125,8 @@ std::pair<std::string, bool> OutputTakeover::Impl::request_missing() {
 }
 
 Result<void> OutputTakeover::drive_inactive(Duration patience) {
-  const timespec pause{0, 100'000};
-  constexpr int kMinTries = 100;  // a machine that stands still uses the time up without a try
+  constexpr int kQuickTries = 100;  // most let go within milliseconds
+  constexpr int kMinTries = 100;    // a machine that stands still uses the time up without a try
   SystemClock clock;
   const MonoTime end = clock.now() + patience;
   for (int tries = 1;; ++tries) {
@@ -134,6 +134,7 @@ Result<void> OutputTakeover::drive_inactive(Duration patience) {
     if (missing.empty()) return {};
     const bool patient = clock.now() < end || tries < kMinTries;
     if (!busy || !patient) return fail(missing);
+    const timespec pause{0, tries < kQuickTries ? 100'000 : 1'000'000};
     clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
   }
 }
