@@ -15,7 +15,7 @@ class Walk {
 
   std::optional<Error> problem() {
     while (!rest_.empty() && parts_ <= kMaxKeyParts && open_ <= kMaxOpenBrackets && stray_.empty()) step();
-    if (!stray_.empty()) return at_line("a character beyond ASCII stands " + stray_);
+    if (!stray_.empty()) return at_line("a character beyond ASCII stands " + std::string(stray_));
     if (parts_ > kMaxKeyParts)
       return at_line("a key of more than " + std::to_string(kMaxKeyParts) + " parts");
     if (open_ > kMaxOpenBrackets)
@@ -78,7 +78,7 @@ class Walk {
   std::string_view rest_;
   std::ptrdiff_t line_ = 1;
   int parts_ = 1, open_ = 0;
-  std::string stray_;  ///< where one is
+  std::string_view stray_;  ///< where a character beyond ASCII stands that may not; empty: nowhere
 };
 
 }  // namespace

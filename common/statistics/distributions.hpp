@@ -1,11 +1,11 @@
-// Student's t, chi-squared and Fisher's F. Degrees of freedom are above 0, need not be whole (Welch-Satterthwaite) and may
-// be infinite. Pure functions; thread-safe, real-time safe.
+// Student's t, chi-squared and Fisher's F. Degrees of freedom are above 0 and need not be whole (Welch-Satterthwaite); those
+// of Student's t may be infinite. Pure functions; thread-safe, real-time safe.
 #pragma once
 
 namespace strobe::statistics {
 
-inline constexpr double kAsGoodAsNormal =
-    1e6;  ///< degrees of freedom; with more, Student's t is taken as normal
+/// Degrees of freedom; with more, Student's t is taken as normal.
+inline constexpr double kAsGoodAsNormal = 1e6;
 /// Probability of a normal distribution above mean + sd.
 inline constexpr double kAboveOneSd = 0.158655253931457;
 

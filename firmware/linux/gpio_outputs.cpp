@@ -125,16 +125,16 @@ std::pair<std::string, bool> OutputTakeover::Impl::request_missing() {
 }
 
 Result<void> OutputTakeover::drive_inactive(Duration patience) {
-  constexpr int kQuickTries = 100;  // most let go within milliseconds
-  constexpr int kMinTries = 100;    // a machine that stands still uses the time up without a try
+  // Most let go within milliseconds; and a machine that stands still would use the time up without a try.
+  constexpr int kQuickTries = 100;
   SystemClock clock;
   const MonoTime end = clock.now() + patience;
   for (int tries = 1;; ++tries) {
     const auto [missing, busy] = impl_->request_missing();  // whoever holds a line may let it go yet
     if (missing.empty()) return {};
-    const bool patient = clock.now() < end || tries < kMinTries;
-    if (!busy || !patient) return fail(missing);
-    const timespec pause{0, tries < kQuickTries ? 100'000 : 1'000'000};
+    const bool quick = tries < kQuickTries;
+    if (!busy || (!quick && clock.now() >= end)) return fail(missing);
+    const timespec pause{0, quick ? 100'000 : 1'000'000};
     clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
   }
 }
