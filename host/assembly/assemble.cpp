@@ -6,12 +6,10 @@
 
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/record.hpp"
+#include "common/reduction/matching/flash_match.hpp"
 #include "host/assembly/camera_map.hpp"
-#include "host/assembly/false_image.hpp"
-#include "host/assembly/flash_match.hpp"
 #include "host/assembly/flash_times.hpp"
 #include "host/assembly/image_track.hpp"
-#include "host/assembly/steady_flight.hpp"
 #include "host/config/notes.hpp"
 
 namespace strobe::host {
@@ -50,10 +48,10 @@ void set_rig(Frame& frame, const shot_t& shot, const AssemblySettings& settings)
 }
 
 /// Speed along the path from the first two airborne images, for the time from gate to plate.
-std::optional<double> incoming_speed_mps(const Track& track, const FlashTimes& times) {
+std::optional<double> incoming_speed_mps(const matching::Track& track, const FlashTimes& times) {
   if (track.images.size() < 2 || times.seen.size() < 2) return std::nullopt;
-  const TrackPoint& a = track.images[0];
-  const TrackPoint& b = track.images[1];
+  const matching::TrackPoint& a = track.images[0];
+  const matching::TrackPoint& b = track.images[1];
   if (b.leg != Leg::incoming) return std::nullopt;
   const double step_m = (b.centre_px - a.centre_px).norm() / track.px_per_m;
   const double interval_s = to_seconds(times.seen[1].time - times.seen[0].time);
@@ -61,8 +59,9 @@ std::optional<double> incoming_speed_mps(const Track& track, const FlashTimes& t
   return step_m / interval_s;
 }
 
-std::optional<ArrivalPrior> arrival_prior(const shot_t& shot, const Track& track, const FlashTimes& times,
-                                          const AssemblySettings& settings) {
+std::optional<matching::ArrivalPrior> arrival_prior(const shot_t& shot, const matching::Track& track,
+                                                    const FlashTimes& times,
+                                                    const AssemblySettings& settings) {
   const MonoTime origin = times.seen.front().time, gate = from_ns(shot.gate_ns),
                  trigger = from_ns(shot.trigger_ns);
   const auto speed = incoming_speed_mps(track, times);
@@ -70,13 +69,13 @@ std::optional<ArrivalPrior> arrival_prior(const shot_t& shot, const Track& track
     // The speed itself is known to a few per cent only before the match.
     const double flight_s = *settings.analysis.gate_distance_m / *speed;
     const double scale_s = std::hypot(settings.analysis.gate_distance_sd_m / *speed, 0.05 * flight_s);
-    return ArrivalPrior{to_seconds(gate - origin) + flight_s, scale_s};
+    return matching::ArrivalPrior{to_seconds(gate - origin) + flight_s, scale_s};
   }
   if (known(trigger) && settings.machine_lag_s) {
     const auto& sd = settings.analysis.machine_lag_sd_s;
     // As narrow in its middle as a normal density with that sd.
     const double scale_s = sd ? std::numbers::sqrt2 * *sd : kMachineLagScale_s;
-    return ArrivalPrior{to_seconds(trigger - origin) + *settings.machine_lag_s, scale_s};
+    return matching::ArrivalPrior{to_seconds(trigger - origin) + *settings.machine_lag_s, scale_s};
   }
   return std::nullopt;
 }
@@ -84,7 +83,7 @@ std::optional<ArrivalPrior> arrival_prior(const shot_t& shot, const Track& track
 /// Flags of the flashes from the first to the last that shows the ball. A double flash also counts where
 /// another plausible match puts it among them, and a double or missing flash next to them: if it made an image
 /// after all, a leg's images are one flash off.
-FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first, int last) {
+FlagSet flash_flags(const FlashTimes& times, const matching::FlashMatch& match, int first, int last) {
   FlagSet flags;
   const auto next_to = [first, last](int index) { return index >= first - 1 && index <= last + 1; };
   MonoTime previous = kNoTime;
@@ -106,7 +105,7 @@ FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first,
   return flags;
 }
 
-void set_times(Frame& frame, const FlashTimes& times, const FlashAssignment& assignment) {
+void set_times(Frame& frame, const FlashTimes& times, const matching::FlashAssignment& assignment) {
   const auto flash = [&](std::size_t image) -> const ObservedFlash& {
     return times.seen[static_cast<std::size_t>(assignment.flash[image])];
   };
@@ -117,10 +116,10 @@ void set_times(Frame& frame, const FlashTimes& times, const FlashAssignment& ass
   }
 }
 
-std::vector<AssignedTimes> assigned_times(const FlashTimes& times, const FlashMatch& match) {
+std::vector<AssignedTimes> assigned_times(const FlashTimes& times, const matching::FlashMatch& match) {
   std::vector<AssignedTimes> assigned;
   assigned.reserve(match.hypotheses.size());
-  for (const FlashAssignment& hypothesis : match.hypotheses) {
+  for (const matching::FlashAssignment& hypothesis : match.hypotheses) {
     AssignedTimes& one = assigned.emplace_back(AssignedTimes{{}, hypothesis.weight});
     one.time_s.reserve(hypothesis.flash.size());
     const MonoTime first = times.seen[static_cast<std::size_t>(hypothesis.flash.front())].time;
@@ -131,7 +130,7 @@ std::vector<AssignedTimes> assigned_times(const FlashTimes& times, const FlashMa
 }
 
 /// What the matching has to know of the ball besides its images.
-void set_physics(Track& track, const Frame& frame, const FlashTimes& times) {
+void set_physics(matching::Track& track, const Frame& frame, const FlashTimes& times) {
   const ball::Ball ball{frame.ball_diameter_m, frame.ball_mass_kg.value_or(ball::kThesisMass_kg),
                         frame.ball_alpha.value_or(ball::kMeasuredAlpha)};
   track.air = flight::aerodynamics(ball, flight::air_density_kgpm3(frame.temperature_c.value_or(20.0)));
@@ -145,7 +144,7 @@ AssembledShot unmatched(AssembledShot shot, Flag flag, std::string problem) {
   return shot;
 }
 
-void leave_out(std::size_t image, Track& track, AssembledShot& shot) {
+void leave_out(std::size_t image, matching::Track& track, AssembledShot& shot) {
   const auto at = static_cast<std::ptrdiff_t>(image);
   track.images.erase(track.images.begin() + at);
   shot.frame.images.erase(shot.frame.images.begin() + at);
@@ -153,15 +152,16 @@ void leave_out(std::size_t image, Track& track, AssembledShot& shot) {
 }
 
 /// Which flashes made the images. One that none made is left out of track and shot.
-std::optional<FlashMatch> matched(const FlashTimes& times, const std::optional<ArrivalPrior>& prior,
-                                  Track& track, AssembledShot& shot) {
+std::optional<matching::FlashMatch> matched(const FlashTimes& times,
+                                            const std::optional<matching::ArrivalPrior>& prior,
+                                            matching::Track& track, AssembledShot& shot) {
   std::vector<double> times_s;
   times_s.reserve(times.seen.size());
   for (const ObservedFlash& flash : times.seen)
     times_s.push_back(to_seconds(flash.time - times.seen.front().time));
-  auto match = match_flashes(times_s, track, prior);
+  auto match = matching::match_flashes(times_s, track, prior);
   if (!match) return std::nullopt;
-  auto found = find_false_image(times_s, track, prior, *match);
+  auto found = matching::find_false_image(times_s, track, prior, *match);
   if (!found) return match;
   leave_out(found->image, track, shot);
   return std::move(found->match);
@@ -225,14 +225,14 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
   set_physics(*track, result.frame, times);
   const auto match = matched(times, arrival_prior(shot, *track, times, settings), *track, result);
   if (!match) return unmatched(result, Flag::flash_match_ambiguous, "more images than flashes were seen");
-  if (!is_steady(*track, *match))
+  if (!matching::is_steady(*track, *match))
     return unmatched(result, Flag::flash_match_ambiguous, "no steady flight passes through the images");
   set_times(result.frame, times, match->hypotheses.front());
   result.hypotheses = assigned_times(times, *match);
   const reduction::ImagedFlashes flashes{*result.frame.images.front().flash_index,
                                          *result.frame.images.back().flash_index,
                                          match->misassignment_probability, shot.plan.code_count > 0};
-  if (flashes.coded && flashes.misassignment_probability > kMaxMisassignmentProbability)
+  if (flashes.coded && flashes.misassignment_probability > matching::kMaxMisassignmentProbability)
     result.flags.set(Flag::flash_index_ambiguous);
   result.flags.merge(flash_flags(times, *match, flashes.first, flashes.last));
   result.flashes = flashes;

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <optional>
 
-#include "host/assembly/contact_match.hpp"
+#include "common/reduction/matching/contact_match.hpp"
 #include "host/assembly/flash_times.hpp"
 #include "host/assembly/image_track.hpp"
 
@@ -97,8 +97,8 @@ class Digits {
 /// As many flashes lie between the legs as the shortest and the longest contact takes.
 std::vector<std::size_t> lags_between_legs(Duration period) {
   const double period_s = to_seconds(period);
-  const auto first = static_cast<std::size_t>(std::floor(kShortestDwell_s / period_s));
-  const auto last = static_cast<std::size_t>(std::ceil(kLongestDwell_s / period_s));
+  const auto first = static_cast<std::size_t>(std::floor(matching::kShortestDwell_s / period_s));
+  const auto last = static_cast<std::size_t>(std::ceil(matching::kLongestDwell_s / period_s));
   std::vector<std::size_t> lags(last - first + 1);
   std::iota(lags.begin(), lags.end(), first + kImagesOfLeg);
   return lags;

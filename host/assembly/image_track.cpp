@@ -80,12 +80,13 @@ std::optional<Leg> label(const ball_image_t& image) {
 
 }  // namespace
 
-std::optional<Track> image_track(const frame_t& frame, double ball_diameter_m, double surface_angle_deg) {
+std::optional<matching::Track> image_track(const frame_t& frame, double ball_diameter_m,
+                                           double surface_angle_deg) {
   const auto line = surface_line(frame);
   const auto diameter = ball_diameter_px(frame);
   if (!line || !diameter || !std::all_of(frame.images.begin(), frame.images.end(), usable))
     return std::nullopt;
-  Track track;
+  matching::Track track;
   track.radius_px = 0.5 * *diameter;
   track.px_per_m = *diameter / ball_diameter_m;
   if (frame.source == "auto") track.missed_share = kMissedByDigitizer;

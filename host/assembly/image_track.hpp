@@ -4,7 +4,7 @@
 #include <optional>
 #include <strobe_msgs/frame_t.hpp>
 
-#include "host/assembly/track.hpp"
+#include "common/reduction/matching/track.hpp"
 
 namespace strobe::host {
 
@@ -14,7 +14,7 @@ inline constexpr double kHandSdOfDiameter = 0.008;
 /// The images' centres in the surface's axes, with their scale, noise and legs. A leg that the frame names is
 /// kept unless the centre is clearly less than a radius above the surface; the others are classified.
 /// Returns nullopt without a surface line or a positive diameter, or if a coordinate is not finite.
-std::optional<Track> image_track(const strobe_msgs::frame_t& frame, double ball_diameter_m,
-                                 double surface_angle_deg);
+std::optional<matching::Track> image_track(const strobe_msgs::frame_t& frame, double ball_diameter_m,
+                                           double surface_angle_deg);
 
 }  // namespace strobe::host

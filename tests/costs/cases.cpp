@@ -11,7 +11,7 @@
 #include "common/impact/ode/contact_ode.hpp"
 #include "common/impact/ode/contact_sensitivity.hpp"
 #include "common/reduction/reduce.hpp"
-#include "host/assembly/flash_match.hpp"
+#include "common/reduction/matching/flash_match.hpp"
 #include "host/assembly/flash_times.hpp"
 #include "host/assembly/image_track.hpp"
 #include "host/digitize/digitize.hpp"
@@ -147,7 +147,7 @@ Case flash_match_case() {
   for (const host::ObservedFlash& flash : times.seen)
     times_s.push_back(to_seconds(flash.time - times.seen.front().time));
   return {"flash_match",
-          [times_s, track = *track] { keep(host::match_flashes(times_s, track, std::nullopt)); }};
+          [times_s, track = *track] { keep(matching::match_flashes(times_s, track, std::nullopt)); }};
 }
 
 /// A painted bounce: five images down, one pressed flat on the plate, five up.

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "host/assembly/assemble.hpp"
-#include "host/assembly/flash_match.hpp"
+#include "common/reduction/matching/flash_match.hpp"
 #include "host/config/plan_file.hpp"
 #include "host/session/rejection.hpp"
 #include "host/session/train_report.hpp"
@@ -176,7 +176,7 @@ TEST(CodedPhotograph, OfACodeThatRepeatsWithinThePhotographIsFlaggedAndCounts) {
   const auto result = host::shot_readout(made.shot, made.frame, settings).readout;
   CHECK(result.flags.has(reduction::Flag::flash_index_ambiguous));
   CHECK(result.flashes->coded &&
-        result.flashes->misassignment_probability > host::kMaxMisassignmentProbability);
+        result.flashes->misassignment_probability > matching::kMaxMisassignmentProbability);
   CHECK_FALSE(host::rejection_reason(result).has_value());
 }
 

@@ -3,9 +3,9 @@
 #include <numbers>
 #include <vector>
 
+#include "common/reduction/matching/contact_match.hpp"
+#include "common/reduction/matching/flash_match.hpp"
 #include "host/assembly/assemble.hpp"
-#include "host/assembly/contact_match.hpp"
-#include "host/assembly/flash_match.hpp"
 #include "host/assembly/image_track.hpp"
 #include "tests/host/synthetic_shot.hpp"
 
@@ -27,7 +27,7 @@ std::vector<int> flashes_of(const host::AssembledShot& shot) {
 
 TEST_GROUP(ImageTracks) {
   SyntheticShot made = make_shot({});
-  host::Track track() { return *host::image_track(made.frame, kBallDiameter_m, 0.0); }
+  matching::Track track() { return *host::image_track(made.frame, kBallDiameter_m, 0.0); }
 };
 
 TEST(ImageTracks, TakeSizeAndNoiseFromTheImagesInTheAir) {
@@ -165,9 +165,9 @@ TEST(ArrivalPriors, OneImageBeforeTheBounceTellsNoSpeedForTheGate) {
 TEST_GROUP(ContactFlashes) {
   // Down at 0 s and x = 0 with (6, -5) m/s, off at 4 ms and x = 16 mm with (3, 4) m/s; 1000 px to the metre, a
   // flash every 0.5 ms.
-  host::Track track{.images = {}, .radius_px = 32.0, .px_per_m = 1000.0, .sd_px = 0.2};
+  matching::Track track{.images = {}, .radius_px = 32.0, .px_per_m = 1000.0, .sd_px = 0.2};
   std::vector<double> times_s;
-  host::LegCandidate in, out;
+  matching::LegCandidate in, out;
 
   void setup() override {
     for (int k = -10; k <= 20; ++k) times_s.push_back(5e-4 * k);
@@ -175,8 +175,8 @@ TEST_GROUP(ContactFlashes) {
     out = leg({16.0, 32.0}, 4e-3, {3000.0, 4000.0}, {19, 22, 25});  // the first at 4.5 ms
   }
 
-  host::LegCandidate leg(Vector2d at, double at_s, Vector2d velocity, std::vector<int> flash) const {
-    host::LegCandidate candidate;
+  matching::LegCandidate leg(Vector2d at, double at_s, Vector2d velocity, std::vector<int> flash) const {
+    matching::LegCandidate candidate;
     candidate.fit = geometry::LegFit(track.gravity_pxps2);
     for (const int k : flash) {
       const double t = times_s[static_cast<std::size_t>(k)];
@@ -196,10 +196,10 @@ TEST_GROUP(ContactFlashes) {
     return {x, 32.0 - 4e-3 / std::numbers::pi * std::sin(std::numbers::pi * s) * speed};
   }
 
-  host::ContactFlashes matched(const std::vector<double>& at_s) const {
-    std::vector<host::TrackPoint> images;
+  matching::ContactFlashes matched(const std::vector<double>& at_s) const {
+    std::vector<matching::TrackPoint> images;
     for (const double t : at_s) images.push_back({Leg::contact, pressed(t)});
-    return host::ContactMatcher(images, times_s, track).match(in, out);
+    return matching::ContactMatcher(images, times_s, track).match(in, out);
   }
 };
 
@@ -226,30 +226,33 @@ TEST(ContactFlashes, CostMoreTheFurtherTheyAreFromThere) {
 }
 
 TEST(ContactFlashes, BesideOneLegAloneAreNextToIt) {
-  const host::LegCandidate none;
-  const std::vector<host::TrackPoint> two{{Leg::contact, pressed(1e-3)}, {Leg::contact, pressed(2e-3)}};
-  CHECK_EQUAL((std::vector<int>{10, 11}), host::ContactMatcher(two, times_s, track).match(in, none).flash);
-  CHECK_EQUAL((std::vector<int>{17, 18}), host::ContactMatcher(two, times_s, track).match(none, out).flash);
+  const matching::LegCandidate none;
+  const std::vector<matching::TrackPoint> two{{Leg::contact, pressed(1e-3)}, {Leg::contact, pressed(2e-3)}};
+  CHECK_EQUAL((std::vector<int>{10, 11}),
+              matching::ContactMatcher(two, times_s, track).match(in, none).flash);
+  CHECK_EQUAL((std::vector<int>{17, 18}),
+              matching::ContactMatcher(two, times_s, track).match(none, out).flash);
 }
 
 TEST(ContactFlashes, ABallCanHaveThisContactButNotOneThatGivesEnergy) {
-  DOUBLES_EQUAL(0.0, host::contact_penalty(host::estimate_bounce(in, out, track)), 1e-9);
+  DOUBLES_EQUAL(0.0, matching::contact_penalty(matching::estimate_bounce(in, out, track)), 1e-9);
   // e beyond 0.2 to 1, in units of its sd; velocities of either leg have those of three images, see below.
   const double v_in = 0.2 / std::sqrt(19.0 / 6.0 * 1e-6), v_out = 0.2 / std::sqrt(4.5e-6);
   for (const auto& [e, outside] : {std::pair{1.2, 0.2}, std::pair{0.1, 0.1}}) {
-    const host::LegCandidate other = leg({16.0, 32.0}, 4e-3, {3000.0, e * 5000.0}, {19, 22, 25});
+    const matching::LegCandidate other = leg({16.0, 32.0}, 4e-3, {3000.0, e * 5000.0}, {19, 22, 25});
     const double sd = std::hypot(v_out, e * v_in) / 5000.0;
-    DOUBLES_EQUAL(std::pow(outside / sd, 2), host::contact_penalty(host::estimate_bounce(in, other, track)),
-                  1e-6);
+    DOUBLES_EQUAL(std::pow(outside / sd, 2),
+                  matching::contact_penalty(matching::estimate_bounce(in, other, track)), 1e-6);
   }
-  const host::LegCandidate far = leg({60.0, 32.0}, 4e-3, {3000.0, 4000.0}, {19, 22, 25});
-  CHECK_TRUE(host::contact_penalty(host::estimate_bounce(in, far, track)) > 10.0);  // 15 m/s between 6 and 3
-  const host::LegCandidate falls = leg({16.0, 32.0}, 4e-3, {3000.0, -4000.0}, {19, 22, 25});
-  CHECK_TRUE(std::isinf(host::contact_penalty(host::estimate_bounce(in, falls, track))));
+  const matching::LegCandidate far = leg({60.0, 32.0}, 4e-3, {3000.0, 4000.0}, {19, 22, 25});
+  CHECK_TRUE(matching::contact_penalty(matching::estimate_bounce(in, far, track)) >
+             10.0);  // 15 m/s between 6 and 3
+  const matching::LegCandidate falls = leg({16.0, 32.0}, 4e-3, {3000.0, -4000.0}, {19, 22, 25});
+  CHECK_TRUE(std::isinf(matching::contact_penalty(matching::estimate_bounce(in, falls, track))));
 }
 
 TEST(ContactFlashes, OfASetOfLegsKnowTheirSd) {
-  const host::BounceEstimate r = host::estimate_bounce(in, out, track);
+  const matching::BounceEstimate r = matching::estimate_bounce(in, out, track);
   DOUBLES_EQUAL(4e-3, r.value[4], 1e-12);
   DOUBLES_EQUAL(16.0, r.value[5], 1e-9);
   // Times -3, -1.5, -0.5 ms: mean -5/3 ms, squares about it 3.1667e-6. Noise 0.2 px.

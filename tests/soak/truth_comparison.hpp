@@ -38,7 +38,7 @@ struct Truth {
   reduction::Quantities value;
   /// The photograph lacks an image of a flash that was seen, or has one too many, or a flash's time or sensor
   /// was disturbed. Next to the contact the host then takes one match for another once in a while, as its
-  /// stated odds say (host/assembly/flash_match.hpp): the dwell time is off by a period. Such numbers are
+  /// stated odds say (common/reduction/matching/flash_match.hpp): the dwell time is off by a period. Such numbers are
   /// counted apart.
   bool images_ambiguous = false;
 };

@@ -27,7 +27,7 @@ const std::map<std::string, std::vector<Layer>> kLayers{
          {"common/flight", "common/frontier", "common/impact/closed_form", "common/shot"},
          {"common/geometry", "common/impact/ode"},
          {"common/contact/integration", "common/impact/fit", "common/reduction"},
-         {"common/contact/differentiation", "common/messages"},
+         {"common/contact/differentiation", "common/messages", "common/reduction/matching"},
          {"common/contact"},
      }},
     {"firmware",

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "common/geometry/leg.hpp"
-#include "host/assembly/contact_match.hpp"
+#include "common/reduction/matching/contact_match.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -226,8 +226,8 @@ std::vector<Pair> pairs_of(const std::vector<Fall>& downs, const std::vector<Fal
   std::ranges::sort(by_lift, {}, [](const Fall* up) { return -up->touch_s; });
   for (const Fall& down : downs) {
     pairs.push_back({&down, nullptr, down.score});
-    const double earliest = down.touch_s + host::kShortestDwell_s - kDwellSlack_s;
-    const double latest = down.touch_s + host::kLongestDwell_s + kDwellSlack_s;
+    const double earliest = down.touch_s + matching::kShortestDwell_s - kDwellSlack_s;
+    const double latest = down.touch_s + matching::kLongestDwell_s + kDwellSlack_s;
     auto up = std::ranges::lower_bound(by_lift, earliest, {}, [](const Fall* f) { return -f->touch_s; });
     for (; up != by_lift.end() && -(*up)->touch_s <= latest; ++up) {
       const double restitution = (*up)->speed_pxps / down.speed_pxps;

@@ -6,8 +6,7 @@
 #include <cmath>
 
 #include "common/geometry/leg.hpp"
-#include "host/assembly/flash_match.hpp"
-#include "host/assembly/steady_flight.hpp"
+#include "common/reduction/matching/flash_match.hpp"
 #include "host/digitize/core/statistics.hpp"
 #include "host/digitize/path/path_order.hpp"
 
@@ -33,8 +32,8 @@ double step_up(std::span<const PathPoint> points, const std::vector<int>& leg) {
 }
 
 struct Timed {
-  host::FlashMatch match;
-  double degrees_of_freedom = 0.0;  ///< of the flight, see host/assembly/track.hpp
+  matching::FlashMatch match;
+  double degrees_of_freedom = 0.0;  ///< of the flight, see common/reduction/matching/flash_match.hpp
   double speed_in = 0.0;            ///< along the normal, px/s, > 0; 0: not known
 };
 
@@ -66,8 +65,8 @@ class Orderer {
   }
 
  private:
-  host::Track track(const PathOrder& order) const {
-    host::Track track;
+  matching::Track track(const PathOrder& order) const {
+    matching::Track track;
     track.radius_px = 0.5 * context_.path.diameter_px;
     track.px_per_m = context_.px_per_m;
     track.surface_known = context_.path.surface_known;
@@ -87,14 +86,14 @@ class Orderer {
 
   std::optional<Timed> timed(const PathOrder& order) const {
     if (context_.flash_times_s.empty()) return std::nullopt;
-    const host::Track path = track(order);
-    const auto match = host::match_flashes(context_.flash_times_s, path, std::nullopt);
+    const matching::Track path = track(order);
+    const auto match = matching::match_flashes(context_.flash_times_s, path, std::nullopt);
     if (!match) return std::nullopt;
-    return Timed{*match, host::degrees_of_freedom(path),
+    return Timed{*match, matching::degrees_of_freedom(path),
                  speed(path, match->hypotheses.front().flash, Leg::incoming)};
   }
 
-  double speed(const host::Track& path, const std::vector<int>& flash, Leg leg) const {
+  double speed(const matching::Track& path, const std::vector<int>& flash, Leg leg) const {
     geometry::LegFit fit(path.gravity_pxps2);
     double nearest_s = 0.0;
     for (std::size_t k = 0; k < path.images.size(); ++k) {
@@ -175,9 +174,9 @@ class Orderer {
                                             order.sequence.size(), context_.flash_times_s.size()));
       return;
     }
-    const host::Track path = track(order);
-    if (!host::is_steady(path, match->match)) {
-      const double off = host::off_steady_px(path, match->match);
+    const matching::Track path = track(order);
+    if (!matching::is_steady(path, match->match)) {
+      const double off = matching::off_steady_px(path, match->match);
       result_.remarks.push_back(
           "no steady flight passes through the images" +
           (std::isfinite(off) ? fmt::format(" (they are {:.0f} px off)", off) : std::string()) +
@@ -185,7 +184,7 @@ class Orderer {
       return;
     }
     set_flashes(order, match->match.hypotheses.front().flash);
-    if (!host::gaps_agree(match->match))
+    if (!matching::gaps_agree(match->match))
       result_.remarks.push_back("which flash made which image is ambiguous");
   }
 

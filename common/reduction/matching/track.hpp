@@ -8,7 +8,7 @@
 #include "common/flight/aerodynamics.hpp"
 #include "common/shot/leg.hpp"
 
-namespace strobe::host {
+namespace strobe::matching {
 
 struct TrackPoint {
   Leg leg = Leg::contact;
@@ -29,7 +29,4 @@ struct Track {
   double time_sd_s = 0.0;       ///< of a flash's time
 };
 
-/// Of the residuals from steady flight: each leg's images have two coordinates, its position and velocity take up four.
-double degrees_of_freedom(const Track& track);
-
-}  // namespace strobe::host
+}  // namespace strobe::matching

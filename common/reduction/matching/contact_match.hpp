@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "host/assembly/leg_candidates.hpp"
+#include "common/reduction/matching/leg_candidates.hpp"
 
-namespace strobe::host {
+namespace strobe::matching {
 
 /// Shortest and longest contact of a ball with a surface; tennis balls take 3.8 to 6.3 ms.
 inline constexpr double kShortestDwell_s = 1.5e-3;
@@ -63,4 +63,4 @@ class ContactMatcher {
   std::vector<double> cost_;        ///< the least of the first i images in the first j flashes
 };
 
-}  // namespace strobe::host
+}  // namespace strobe::matching

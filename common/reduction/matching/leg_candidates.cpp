@@ -1,4 +1,4 @@
-#include "host/assembly/leg_candidates.hpp"
+#include "common/reduction/matching/leg_candidates.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "common/geometry/regression.hpp"
 
-namespace strobe::host {
+namespace strobe::matching {
 namespace {
 
 // How far the next image may be from where steady flight puts it, as a fraction of the step: a flash half a
@@ -178,4 +178,4 @@ std::vector<LegCandidate> leg_candidates(std::span<const TrackPoint> images, std
   return candidates;
 }
 
-}  // namespace strobe::host
+}  // namespace strobe::matching

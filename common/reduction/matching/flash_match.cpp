@@ -1,4 +1,4 @@
-#include "host/assembly/flash_match.hpp"
+#include "common/reduction/matching/flash_match.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -6,12 +6,14 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <utility>
+#include <vector>
 
+#include "common/reduction/matching/contact_match.hpp"
+#include "common/reduction/matching/leg_candidates.hpp"
 #include "common/reduction/variance_test.hpp"
-#include "host/assembly/contact_match.hpp"
-#include "host/assembly/leg_candidates.hpp"
 
-namespace strobe::host {
+namespace strobe::matching {
 namespace {
 
 // An assignment whose flight alone is this much worse than the best has a negligible probability.
@@ -262,6 +264,62 @@ class Matcher {
   double best_score_ = std::numeric_limits<double>::infinity();
 };
 
+// Images at any place between their neighbours are .29 of a step off steady flight; a lens that no
+// calibration undoes bends it by hundredths.
+constexpr double kUnsteadyOfStep = 0.12;
+
+/// Median distance from an airborne image to the next.
+double usual_step_px(const Track& track) {
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < track.images.size(); ++k) {
+    const TrackPoint &a = track.images[k - 1], &b = track.images[k];
+    if (a.leg == b.leg && b.leg != Leg::contact) steps.push_back((b.centre_px - a.centre_px).norm());
+  }
+  if (steps.empty()) return std::numeric_limits<double>::infinity();
+  std::ranges::sort(steps);
+  return 0.5 * (steps[(steps.size() - 1) / 2] + steps[steps.size() / 2]);
+}
+
+constexpr std::ptrdiff_t kFewestLeft = 3;  // of a leg: two have no residual
+// Of the interval: a velocity changes by as little.
+constexpr double kSameShare = 0.005;
+
+Track without(const Track& track, std::size_t image) {
+  Track others = track;
+  others.images.erase(others.images.begin() + static_cast<std::ptrdiff_t>(image));
+  return others;
+}
+
+bool is_airborne(const TrackPoint& image) { return image.leg != Leg::contact; }
+
+bool can_be_left_out(const Track& track, std::size_t image) {
+  const Leg leg = track.images[image].leg;
+  return leg == Leg::contact || std::ranges::count(track.images, leg, &TrackPoint::leg) > kFewestLeft;
+}
+
+/// -2 ln of the likelihood, less what noise alone makes of it: so that one of fewer images in the air is not preferred.
+double beyond_expected(const Track& track, const FlashMatch& match) {
+  const auto airborne = std::ranges::count_if(track.images, is_airborne);
+  return match.chi_squared + match.penalty - 2.0 * static_cast<double>(airborne);
+}
+
+/// Whether the images but this one are of flashes at the same times after the first, as those of an even train are but
+/// for microseconds.
+bool is_as_before(std::span<const double> times_s, const FlashMatch& match, const FlashMatch& others,
+                  std::size_t image) {
+  std::vector<int> before = match.hypotheses.front().flash;
+  before.erase(before.begin() + static_cast<std::ptrdiff_t>(image));
+  const std::vector<int>& now = others.hypotheses.front().flash;
+  const auto after_first = [&](const std::vector<int>& flash, std::size_t i) {
+    return times_s[static_cast<std::size_t>(flash[i])] - times_s[static_cast<std::size_t>(flash[0])];
+  };
+  for (std::size_t i = 1; i < now.size(); ++i) {
+    const double step_s = after_first(now, i) - after_first(now, i - 1);
+    if (std::abs(after_first(now, i) - after_first(before, i)) > kSameShare * step_s) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 bool gaps_agree(const FlashMatch& match) {
@@ -278,4 +336,45 @@ std::optional<FlashMatch> match_flashes(std::span<const double> times_s, const T
   return Matcher(times_s, track, prior).run();
 }
 
-}  // namespace strobe::host
+double degrees_of_freedom(const Track& track) {
+  double dof = 0.0;
+  for (const Leg leg : {Leg::incoming, Leg::rebound}) {
+    const auto count = std::ranges::count(track.images, leg, &TrackPoint::leg);
+    dof += std::max(0.0, 2.0 * static_cast<double>(count) - 4.0);
+  }
+  return dof;
+}
+
+double off_steady_px(const Track& track, const FlashMatch& match) {
+  const double dof = degrees_of_freedom(track);
+  if (!(dof > 0.0)) return 0.0;
+  if (!match.steady) return std::numeric_limits<double>::infinity();
+  return track.sd_px * std::sqrt(match.chi_squared / dof);
+}
+
+bool is_steady(const Track& track, const FlashMatch& match) {
+  const double off = off_steady_px(track, match);
+  return !(off > kUnsteadyOfStep * usual_step_px(track));
+}
+
+std::optional<FalseImage> find_false_image(std::span<const double> times_s, const Track& track,
+                                           const std::optional<ArrivalPrior>& prior,
+                                           const FlashMatch& match) {
+  if (match.explained) return std::nullopt;
+  std::optional<FalseImage> found;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < track.images.size(); ++i) {
+    if (!can_be_left_out(track, i)) continue;
+    const Track others = without(track, i);
+    auto other_match = match_flashes(times_s, others, prior);
+    if (!other_match || !other_match->steady || !other_match->explained) continue;
+    const double d = beyond_expected(others, *other_match);
+    if (!(d < least)) continue;
+    least = d;
+    found = FalseImage{i, std::move(*other_match)};
+  }
+  if (found && is_as_before(times_s, match, found->match, found->image)) return std::nullopt;
+  return found;
+}
+
+}  // namespace strobe::matching

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "common/geometry/leg.hpp"
-#include "host/assembly/track.hpp"
+#include "common/reduction/matching/track.hpp"
 
-namespace strobe::host {
+namespace strobe::matching {
 
 /// Flashes between two images of a leg whose image was not found: two happen, three do not.
 inline constexpr int kMaxMissed = 2;
@@ -35,4 +35,4 @@ struct LegCandidate {
 std::vector<LegCandidate> leg_candidates(std::span<const TrackPoint> images, std::span<const double> times_s,
                                          const Track& track);
 
-}  // namespace strobe::host
+}  // namespace strobe::matching

@@ -16,13 +16,14 @@
 // millisecond.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "host/assembly/track.hpp"
+#include "common/reduction/matching/track.hpp"
 
-namespace strobe::host {
+namespace strobe::matching {
 
 /// When the ball is expected at the surface, from the gate or the machine's lag. A weak prior.
 struct ArrivalPrior {
@@ -64,4 +65,28 @@ inline constexpr double kMaxMisassignmentProbability = 0.01;
 std::optional<FlashMatch> match_flashes(std::span<const double> times_s, const Track& track,
                                         const std::optional<ArrivalPrior>& prior);
 
-}  // namespace strobe::host
+/// Of the residuals from steady flight: each leg's images have two coordinates, its position and velocity take up four.
+double degrees_of_freedom(const Track& track);
+
+/// How far the images are from steady flight at the times of their flashes, rms of a coordinate [px]; 0 where too few
+/// images leave that open, infinite where no steady flight leads to flashes at all.
+double off_steady_px(const Track& track, const FlashMatch& match);
+
+/// False where the images are further off than a lens that no calibration undoes bends a flight: the assignment to legs
+/// or flashes is then wrong, and so is every number.
+bool is_steady(const Track& track, const FlashMatch& match);
+
+/// An image that no flash made, among those of a flight.
+struct FalseImage {
+  std::size_t image = 0;  ///< of the track
+  FlashMatch match;       ///< of the other images, in the track's order
+};
+
+/// The image without which the noise as stated explains the flight, where it does not with it, and without
+/// which the others have other times. An image that is only misplaced leaves the others' times as they are: it is the
+/// reduction's to leave out. Returns nullopt where there is none; three images of a leg in the air are kept.
+/// Source: leave-one-out consistency, as of receiver autonomous integrity monitoring (Brown, 1992).
+std::optional<FalseImage> find_false_image(std::span<const double> times_s, const Track& track,
+                                           const std::optional<ArrivalPrior>& prior, const FlashMatch& match);
+
+}  // namespace strobe::matching

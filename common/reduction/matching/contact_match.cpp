@@ -1,4 +1,4 @@
-#include "host/assembly/contact_match.hpp"
+#include "common/reduction/matching/contact_match.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <numeric>
 
-namespace strobe::host {
+namespace strobe::matching {
 namespace {
 
 // The cubic leaves out the true course of the friction: about 3 mm.
@@ -150,4 +150,4 @@ void ContactMatcher::fill_costs() {
   }
 }
 
-}  // namespace strobe::host
+}  // namespace strobe::matching
