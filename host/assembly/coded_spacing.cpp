@@ -20,7 +20,7 @@ namespace {
 constexpr double kSeparation = 6.5;
 // A change of one between three images' intervals leaves residuals of 1, -2, 1 sixths.
 const double kResidualOfChange = 1.0 / std::sqrt(6.0);
-// Of a coordinate of a centre: twice that of rendered photographs (host/README.md), for real ones are less clear.
+// Of a coordinate of a centre: twice that of rendered photographs (host/digitize/README.md), for real ones are less clear.
 constexpr double kDigitizerSd_px = 0.1;
 // By how much the mean interval may be longer than the period: a dozen images then lose at most one.
 constexpr double kMaxLengthening = 1.0 / 12.0;

@@ -15,7 +15,7 @@ namespace {
 using strobe_msgs::ball_image_t;
 using strobe_msgs::frame_t;
 
-// The digitizer misses three airborne images in 36,921 (host/README.md); of images in contact, which are fewer, no more
+// The digitizer misses three airborne images in 36,921 (host/digitize/README.md); of images in contact, which are fewer, no more
 // is known than that they are found nearly as well.
 constexpr double kMissedByDigitizer = 0.001;
 // Centres this much of a radius lower than one radius belong to a ball that touches, noise apart.

@@ -88,7 +88,7 @@ StepResult judge_inclination(const std::string& id, const FreeFall& fall, double
 StepResult judge_scale(const std::string& id, const ScaleCheck& check, double diameter_share_sd,
                        double scale_share_sd) {
   const double off = check.ratio - 1.0;
-  // The digitizer's own error of a diameter is below 0.02 % of it (host/README.md).
+  // The digitizer's own error of a diameter is below 0.02 % of it (host/digitize/README.md).
   constexpr double kDigitizer = 2e-4, kMatters = 0.004;
   const double sd =
       std::hypot(std::hypot(check.ratio_sd, diameter_share_sd), std::hypot(scale_share_sd, kDigitizer));
@@ -225,7 +225,7 @@ StepResult judge_noise(const std::string& id, std::span<const BallShot> shots) {
                   "let step throws and flashes pass first");
   const double ratio = std::sqrt(chi_squared / freedom);
   // A root of chi squared over nu scatters by 1/sqrt(2 nu): for 200 degrees of freedom by 5 %. Stated sds are themselves
-  // good to a third (host/README.md). The equators are not judged: a line that is drawn a degree off the equator lies
+  // good to a third (host/digitize/README.md). The equators are not judged: a line that is drawn a degree off the equator lies
   // further off than any noise, alike in all images of a leg.
   const double limit = 1.35 + kCertain_sd / std::sqrt(2.0 * freedom);
   StepResult result =
