@@ -14,8 +14,8 @@
 namespace {
 
 using strobe::sim::BoardOptions;
+using strobe::sim::EffectsOptions;
 using strobe::sim::PhotographOptions;
-using strobe::sim::PlanOptions;
 using strobe::sim::RunOptions;
 using strobe::sim::ShootOptions;
 using strobe::sim::SimulatedOptions;
@@ -80,12 +80,11 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
   run->add_option("--tolerance", options.tolerance,
                   "Simulate only what numbers read require to stay within this: 0.5%, 5e-3");
-  run->add_option("--deadline-us", options.deadline_us, "Longest that computing a shot may take");
   run->add_flag("--no-digitizer", no_digitizer, "Photographs are not digitized; no LCM is needed");
   run->add_option("command", options.command,
                   "Command and its arguments, after --; may be left out with --write-rig");
-  strobe::command_line::for_experts(*run, {"--lcm-url", "--key-file", "--rig", "--changes", "--tolerance",
-                                           "--deadline-us", "--no-digitizer"});
+  strobe::command_line::for_experts(
+      *run, {"--lcm-url", "--key-file", "--rig", "--changes", "--tolerance", "--no-digitizer"});
 }
 
 void add_shoot(CLI::App& app, ShootOptions& options, bool& json) {
@@ -99,9 +98,7 @@ void add_shoot(CLI::App& app, ShootOptions& options, bool& json) {
   auto* model = shoot->add_option("--model", options.model, "Effects to simulate")->capture_default_str();
   shoot
       ->add_option("--tolerance", options.tolerance,
-                   "Simulate only what numbers read require to stay within this: 0.5%, 5e-3 (see plan)")
-      ->excludes(model);
-  shoot->add_option("--deadline-us", options.deadline_us, "Longest that computing a shot may take")
+                   "Simulate only what numbers read require to stay within this: 0.5%, 5e-3 (see effects)")
       ->excludes(model);
   add_train(*shoot, options);
   shoot->add_flag("--perfect", options.perfect_digitizer, "Digitize without error, though stating one");
@@ -189,19 +186,19 @@ void add_board(CLI::App& app, BoardOptions& o) {
   board->add_flag("--json", o.json, "Print the lines of truth instead of the files' names");
 }
 
-void add_plan(CLI::App& app, PlanOptions& options) {
-  CLI::App* plan = app.add_subcommand("plan", "Show which effects a scene requires at a tolerance");
-  plan->footer(
-      "For each effect: by how much leaving it out can change any number read from any shot, at most, and "
-      "what it costs a shot on this machine. What may go together is left out. A tolerance of 1% is 1 % of "
+void add_effects(CLI::App& app, EffectsOptions& options) {
+  CLI::App* effects = app.add_subcommand("effects", "Show which effects a scene requires at a tolerance");
+  effects->footer(
+      "For each effect: by how much leaving it out changes any number read from 500 sampled shots, at most. "
+      "Left out is what costs a shot much and changes no number of a sampled shot by more than half of the "
+      "tolerance, all of it together. A tolerance of 1% is 1 % of "
       "the speed for velocities, of v/R for spins, of a radian for angles, .01 for e and mu, 1 % of the "
       "dwell time, 1 for the court pace; a scene's [readout] may say otherwise.\n\n"
-      "Example: strobe-sim plan --scene top_23 --tolerance 1%");
-  add_scene(*plan, options.scene);
-  plan->add_option("--tolerance", options.tolerance, "0.5%, 5e-3 (default: the scene's own)");
-  add_train(*plan, options);
-  plan->add_flag("--all", options.all, "Every number's bound");
-  plan->add_flag("--json", options.json, "One JSON object per effect, and one for all");
+      "Example: strobe-sim effects --scene top_23 --tolerance 1%");
+  add_scene(*effects, options.scene);
+  effects->add_option("--tolerance", options.tolerance, "0.5%, 5e-3 (default: the scene's own)");
+  add_train(*effects, options);
+  effects->add_flag("--json", options.json, "One JSON object per effect, and one for all");
 }
 
 }  // namespace
@@ -235,8 +232,8 @@ int main(int argc, char** argv) {
   ShootOptions shots;
   add_shoot(app, shots, json);
 
-  PlanOptions plan;
-  add_plan(app, plan);
+  EffectsOptions effects;
+  add_effects(app, effects);
 
   PhotographOptions photographs;
   add_photograph(app, photographs);
@@ -326,7 +323,7 @@ int main(int argc, char** argv) {
   options.digitizer = !no_digitizer;
   if (scenes->parsed()) return sim::scenes_command(json);
   if (app.got_subcommand("shoot")) return sim::shoot_command(shots);
-  if (app.got_subcommand("plan")) return sim::plan_command(plan);
+  if (app.got_subcommand("effects")) return sim::effects_command(effects);
   if (app.got_subcommand("photograph")) return sim::photograph_command(photographs);
   if (app.got_subcommand("board")) return sim::board_command(boards);
   if (lines->parsed()) return sim::lines_command(chip_dir, json);

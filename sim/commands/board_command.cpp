@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
 #include "sim/loading/scene_files.hpp"
 #include "sim/photograph/board.hpp"

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "common/messages/parsed_json.hpp"
-#include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "sim/live/rig_runner.hpp"

@@ -2,15 +2,22 @@
 // status: 0 done, 1 ran but failed, 2 bad usage or input.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/result.hpp"
+#include "common/units/time.hpp"
 #include "sim/gpiochip/state.hpp"
-#include "sim/plan/choose.hpp"
+#include "sim/scene/scene.hpp"
+#include "sim/shoot/shoot.hpp"
 
 namespace strobe::sim {
+
+/// Prints "strobe-sim: message" on stderr and returns the status.
+int report_error(const std::string& message, int status);
 
 struct RunOptions {
   std::string scene;
@@ -27,7 +34,6 @@ struct RunOptions {
   gpio::Pace pace = gpio::Pace::wall;
   std::optional<std::int64_t> clock_start_s;  ///< of rig time: a run that repeats to the byte
   std::string tolerance;                      ///< empty: none
-  std::optional<double> deadline_us;          ///< per computed shot
   std::vector<std::string> command;
 };
 /// Exit status of the command; 128 plus the signal that ended it.
@@ -51,25 +57,32 @@ struct SimulatedOptions {
   std::uint64_t seed = 1;
   double period_ms = 3.0;
   double exposure_ms = 0.0;  ///< 0: as long as the balls take to cross the view
+
+  /// Period and exposure, both below 1e12 ms.
+  ShootSettings settings() const {
+    return {.period = nanoseconds(std::llround(period_ms * 1e6)),
+            .exposure = nanoseconds(std::llround(exposure_ms * 1e6))};
+  }
 };
+/// Fails, naming the option, for settings out of range.
+Result<Shooter> make_shooter(const SimulatedOptions& options, const Scene& scene, const Model& model,
+                             const ShootSettings& settings);
 
 struct ShootOptions : SimulatedOptions {
   std::string model = "full";
-  std::string tolerance;              ///< empty: none
-  std::optional<double> deadline_us;  ///< per computed shot
+  std::string tolerance;  ///< empty: none
   bool perfect_digitizer = false;
   std::string truth_file;  ///< empty: none
 };
 /// Prints the frames of simulated shots, one per line.
 int shoot_command(const ShootOptions& options);
 
-struct PlanOptions : SimulatedOptions {
+struct EffectsOptions : SimulatedOptions {
   std::string tolerance;  ///< empty: the scene's own
-  bool all = false;
   bool json = false;
 };
-/// Prints which effects a scene needs at a tolerance, and what they cost.
-int plan_command(const PlanOptions& options);
+/// Prints which effects a scene needs at a tolerance, and what that saves.
+int effects_command(const EffectsOptions& options);
 
 struct PhotographOptions : SimulatedOptions {
   std::string folder;
@@ -101,10 +114,9 @@ struct BoardOptions {
 /// Writes photographs of a calibration board, and the truth about them.
 int board_command(const BoardOptions& options);
 
-/// From a tolerance as typed (empty: the scene's own, if it has one) and a deadline. The error names the
-/// option.
-Result<PlanRequirement> parse_requirement(const std::string& tolerance,
-                                          const std::optional<double>& deadline_us, const Scene& scene);
+/// The model that a tolerance as typed allows (empty: full), told on stderr. 0, or the exit status after the message.
+int choose_model(const std::string& tolerance, const Scene& scene, const ShootSettings& settings,
+                 Model& model);
 
 int scenes_command(bool json);
 

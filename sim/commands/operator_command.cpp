@@ -11,7 +11,6 @@
 #include <thread>
 #include <utility>
 
-#include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "sim/live/child_process.hpp"

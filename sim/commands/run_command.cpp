@@ -10,7 +10,6 @@
 #include "common/authentication/key_file.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/channels.hpp"
-#include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "sim/live/child_process.hpp"
@@ -160,21 +159,8 @@ class Session {
   std::unique_ptr<TetheredCamera> photographer_;
 };
 
-/// The firmware's train is not known in advance: plans for the usual one. The firmware's rig file has the
-/// shutter's lag, so it cannot be left out.
+/// The firmware's train is not known in advance: the model is chosen for the usual one.
 constexpr ShootSettings kUsualTrain{.period = milliseconds(3), .exposure = milliseconds(500)};
-
-/// 0, or the exit status after the error message.
-int choose_model(const RunOptions& options, const Scene& scene, Model& model) {
-  if (options.tolerance.empty() && !options.deadline_us) return 0;
-  const auto demand = parse_requirement(options.tolerance, options.deadline_us, scene);
-  if (!demand) return report_error(demand.error().message, 2);
-  const auto chosen = choose(scene, *demand, kUsualTrain);
-  if (!chosen) return report_error(chosen.error().message, 1);
-  fmt::print(stderr, "strobe-sim: {}\n", explanation(*chosen));
-  model = chosen->plan.model.with(Effect::shutter_lag);
-  return 0;
-}
 
 Result<void> write_rig_of(const RunOptions& options, const Scene& scene) {
   if (options.rig_file.empty()) return {};
@@ -201,7 +187,9 @@ int run_command(const RunOptions& options) {
                : 0;
   }
   Model model = Model::full();
-  if (const int status = choose_model(options, *scene, model); status != 0) return status;
+  if (const int status = choose_model(options.tolerance, *scene, kUsualTrain, model); status != 0)
+    return status;
+  model = model.with(Effect::shutter_lag);  // which the firmware's rig file has
   const std::uint64_t seed = options.seed.value_or(fresh_seed());
   block_child_signals();
   std::optional<TemporaryFolder> temporary;

@@ -28,7 +28,7 @@
 //
 // A scene whose law is `grip`: common/impact's grip() and the damped sine; only grip and offset can be left
 // out of it. (The sine's net force has the weight towards the surface in it, and nothing of the ODE is there to
-// leave out; sim/plan/unmodelled.hpp bounds the weight's part along an inclined plate.)
+// leave out; sim/effects/unmodelled.hpp bounds the weight's part along an inclined plate.)
 //
 // Plain values, thread-safe. Only the ODE's path allocates.
 #pragma once

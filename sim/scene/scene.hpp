@@ -157,7 +157,7 @@ struct TabletSettings {
 
 /// [readout] Which numbers of the readout matter, and to what tolerance.
 struct ReadoutSettings {
-  double tolerance = 0.0;  ///< key tolerance_percent; relative, see sim/plan; 0 (key absent): none stated
+  double tolerance = 0.0;  ///< key tolerance_percent; relative, see sim/effects; 0 (key absent): none stated
   /// Absolute ones by a quantity's name, in its unit; < 0: not wanted (key = "any"), absent: the relative
   /// one.
   std::vector<std::pair<reduction::Quantity, double>> absolute;

@@ -25,7 +25,7 @@ void add_digitize_command(CLI::App& app, int& exit_status);
 void add_digits_command(CLI::App& app, int& exit_status);
 void add_efficiency_command(CLI::App& app, int& exit_status);
 void add_fit_coverage_command(CLI::App& app, int& exit_status);
-void add_plan_command(CLI::App& app, int& exit_status);
+void add_effects_command(CLI::App& app, int& exit_status);
 void add_series_coverage_command(CLI::App& app, int& exit_status);
 void add_thesis_command(CLI::App& app, int& exit_status);
 void add_trade_command(CLI::App& app, int& exit_status);

@@ -13,7 +13,7 @@ constexpr std::array<AddCommand, 14> kCommands{strobe::benchmarks::add_timing_co
                                                strobe::benchmarks::add_spin_command,
                                                strobe::benchmarks::add_loop_command,
                                                strobe::benchmarks::add_flood_command,
-                                               strobe::studies::add_plan_command,
+                                               strobe::studies::add_effects_command,
                                                strobe::studies::add_efficiency_command,
                                                strobe::studies::add_digits_command,
                                                strobe::studies::add_thesis_command,

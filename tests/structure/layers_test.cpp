@@ -71,7 +71,7 @@ const std::map<std::string, std::vector<Layer>> kLayers{
          {"sim/gpiochip/preload", "sim/motion"},
          {"sim/loading", "sim/rig"},
          {"sim/fit", "sim/photograph", "sim/shoot"},
-         {"sim/live", "sim/plan", "sim/rig_file"},
+         {"sim/effects", "sim/live", "sim/rig_file"},
          {"sim/commands"},
          {"sim"},
      }},

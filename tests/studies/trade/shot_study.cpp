@@ -1,4 +1,4 @@
-// Whole simulated shots: what a planned model saves, and what it changes in the readouts.
+// Whole simulated shots: what a model that leaves effects out saves, and what it changes in the readouts.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,10 +6,10 @@
 
 #include "tests/studies/trade/studies.hpp"
 
-#if STROBE_WITH_PLAN
+#if STROBE_WITH_EFFECTS
 
+#include "sim/effects/choice.hpp"
 #include "sim/loading/scene_files.hpp"
-#include "sim/plan/plan.hpp"
 #include "sim/shoot/shoot.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
 #include "tests/studies/trade/tally.hpp"
@@ -67,11 +67,11 @@ std::optional<Study> shot_study(const Effort& effort) {
   if (!scenes) return std::nullopt;
   const int shots = effort.quick ? 5 : 100;
   std::vector<Known> known;
-  std::vector<sim::SceneBounds> bounds;
+  std::vector<sim::ModelChooser> choosers;
   for (const sim::SceneFile& file : *scenes) {
     const sim::Scene& scene = file.scene.value();
     if (scene.camera.pixels || (effort.quick && known.size() == 2)) continue;
-    bounds.emplace_back(scene);
+    choosers.emplace_back(scene);
     known.push_back({scene, of_the_thesis(scene), sim::readout_scales(scene),
                      readouts(scene, sim::Model::full(), shots, effort.seed)});
   }
@@ -92,7 +92,7 @@ std::optional<Study> shot_study(const Effort& effort) {
     Tally others;
     for (std::size_t i = 0; i < known.size(); ++i) {
       const Known& k = known[i];
-      const sim::Model model = tolerance > 0.0 ? sim::plan(bounds[i], tolerance).model : sim::Model::full();
+      const sim::Model model = tolerance > 0.0 ? choosers[i].choose(tolerance).model : sim::Model::full();
       row.cost_us += cost_us(k.scene, model, effort) / static_cast<double>(known.size());
       const auto planned = readouts(k.scene, model, shots, effort.seed);
       for (std::size_t s = 0; s < planned.size(); ++s) {

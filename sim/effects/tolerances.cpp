@@ -1,11 +1,11 @@
-#include "sim/plan/readouts.hpp"
+#include "sim/effects/tolerances.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/reduction/reduce.hpp"
-#include "sim/plan/displacement.hpp"
 
 namespace strobe::sim {
 
@@ -26,11 +26,6 @@ double px_per_m(const reduction::Frame& frame) {
 
 }  // namespace
 
-PerQuantity& PerQuantity::operator+=(const PerQuantity& other) {
-  for (std::size_t i = 0; i < values_.size(); ++i) values_[i] += other.values_[i];
-  return *this;
-}
-
 void PerQuantity::max_with(const PerQuantity& other) {
   for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = std::max(values_[i], other.values_[i]);
 }
@@ -50,7 +45,7 @@ PerQuantity difference(const reduction::Quantities& a, const reduction::Quantiti
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
     if (a[q] && b[q]) result[i] = std::abs(*a[q] - *b[q]);
-    if (a[q].has_value() != b[q].has_value()) result[i] = kNoBound;
+    if (a[q].has_value() != b[q].has_value()) result[i] = std::numeric_limits<double>::infinity();
   }
   return result;
 }
@@ -87,8 +82,20 @@ PerQuantity tolerances(const Scene& scene, double relative) {
   PerQuantity result = readout_scales(scene);
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) result[i] *= relative;
   for (const auto& [quantity, absolute] : scene.readout.absolute)
-    result[quantity] = absolute < 0.0 ? kNoBound : absolute;
+    result[quantity] = absolute < 0.0 ? std::numeric_limits<double>::infinity() : absolute;
   return result;
+}
+
+reduction::Quantity worst(const PerQuantity& change, const PerQuantity& tolerance) {
+  std::size_t result = 0;
+  double largest = -1.0;
+  for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
+    const double share = change[q] > 0.0 ? change[q] / tolerance[q] : 0.0;
+    if (!(share > largest)) continue;  // infinite of infinite is none
+    largest = share;
+    result = q;
+  }
+  return static_cast<reduction::Quantity>(result);
 }
 
 std::string_view unit(Quantity quantity) {

@@ -1,4 +1,4 @@
-// The quantities of a readout and their tolerances, as plans use them. Pure; thread-safe.
+// The quantities of a readout and their tolerances, by which models of a scene are compared. Pure; thread-safe.
 #pragma once
 
 #include <array>
@@ -19,7 +19,6 @@ class PerQuantity {
   double& operator[](std::size_t i) { return values_[i]; }
   double operator[](std::size_t i) const { return values_[i]; }
 
-  PerQuantity& operator+=(const PerQuantity& other);
   /// Each quantity's larger one.
   void max_with(const PerQuantity& other);
   bool all_zero() const;
@@ -48,6 +47,9 @@ PerQuantity readout_scales(const Scene& scene);
 
 /// relative · scale, but for the quantities for which the scene's [readout] has a tolerance of its own.
 PerQuantity tolerances(const Scene& scene, double relative);
+
+/// The quantity whose change takes most of its tolerance; the first of all if no change is above 0.
+reduction::Quantity worst(const PerQuantity& change, const PerQuantity& tolerance);
 
 /// Unit as text: "m/s", "rad/s", "deg", "ms", "cm" or "".
 std::string_view unit(reduction::Quantity quantity);

@@ -1,4 +1,4 @@
-#include "tests/sim/plan/random_scene.hpp"
+#include "tests/sim/effects/random_scene.hpp"
 
 #include <fmt/format.h>
 

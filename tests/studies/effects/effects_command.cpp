@@ -1,4 +1,4 @@
-// strobe-bench plan: planned models against full ones over random scenes.
+// strobe-bench effects: models that leave effects out against full ones over random scenes.
 #include <fmt/format.h>
 #include <time.h>
 
@@ -16,7 +16,7 @@
 
 #include "common/units/tolerance.hpp"
 #include "tests/benchmarks/command.hpp"
-#include "tests/sim/plan/trial.hpp"
+#include "tests/sim/effects/trial.hpp"
 
 namespace {
 
@@ -28,7 +28,6 @@ struct Options {
   std::uint64_t first = 0;
   int threads = 2;
   std::vector<std::string> tolerances{"0.01%", "0.1%", "1%", "5%"};
-  bool each_effect = false;
   std::string scenes_folder;  ///< empty: not written
 };
 
@@ -81,13 +80,10 @@ class Findings {
   void add(const test::RandomScene& random, const test::Trial& trial, const std::vector<double>& speed_ups) {
     const std::lock_guard lock(mutex_);
     ++scenes_;
-    cautious_ += trial.warning.empty() ? 0 : 1;
     for (std::size_t i = 0; i < tolerances_.size(); ++i) {
       largest_share_[i] = std::max(largest_share_[i], trial.tolerances[i].largest_share);
       speed_ups_[i].push_back(speed_ups[i]);
     }
-    for (std::size_t e = 0; e < kEffectCount; ++e)
-      if (trial.effects[e].bounded) tightness_[e].push_back(trial.effects[e].largest_share);
     for (const test::Violation& v : trial.violations) {
       ++violations_;
       fmt::print("{}, shot {}, {}: {} changes by {:.4g}, allowed {:.4g}\n{}\n", random.scene.name, v.shot,
@@ -99,31 +95,20 @@ class Findings {
 
   int report() {
     fmt::print(stderr, "\r{:20}\r", "");
-    fmt::print("{} random scenes, {} of them with a warning; {} violations\n\n", scenes_, cautious_,
-               violations_);
+    fmt::print("{} random scenes; {} violations\n\n", scenes_, violations_);
     fmt::print("{:<10} {:>28} {:>16}\n", "tolerance", "largest change/tolerance", "median speed-up");
     for (std::size_t i = 0; i < tolerances_.size(); ++i)
       fmt::print("{:<10} {:>28.3f} {:>16.2f}\n", tolerance_text(tolerances_[i]), largest_share_[i],
                  middle(speed_ups_[i]));
-    if (std::ranges::all_of(tightness_, [](const auto& t) { return t.empty(); }))
-      return violations_ > 0 ? 1 : 0;
-    fmt::print("\n{:<22} {:>7} {:>22} {:>8}\n", "effect alone", "scenes", "median change/bound", "largest");
-    for (std::size_t e = 0; e < kEffectCount; ++e) {
-      if (tightness_[e].empty()) continue;
-      const double median = middle(tightness_[e]);
-      fmt::print("{:<22} {:>7} {:>22.3g} {:>8.3g}\n", name(static_cast<Effect>(e)), tightness_[e].size(),
-                 median, tightness_[e].back());
-    }
     return violations_ > 0 ? 1 : 0;
   }
 
  private:
   const std::vector<double>& tolerances_;
   std::mutex mutex_;
-  int scenes_ = 0, cautious_ = 0, violations_ = 0;
+  int scenes_ = 0, violations_ = 0;
   std::vector<double> largest_share_;
   std::vector<std::vector<double>> speed_ups_;
-  std::array<std::vector<double>, kEffectCount> tightness_;
 };
 
 int study(const Options& options) {
@@ -142,7 +127,7 @@ int study(const Options& options) {
   const auto work = [&] {
     for (int i = next++; i < options.scenes; i = next++) {
       const auto random = test::random_scene(options.first + static_cast<std::uint64_t>(i));
-      const test::Trial trial = test::check_plans(random, tolerances, options.shots, options.each_effect);
+      const test::Trial trial = test::check_choices(random, tolerances, options.shots);
       const double full_s = shots_s(random, Model::full(), options.shots);
       std::vector<double> speed_ups;
       for (const test::ToleranceOutcome& outcome : trial.tolerances)
@@ -160,27 +145,28 @@ int study(const Options& options) {
 
 namespace strobe::studies {
 
-void add_plan_command(CLI::App& app, int& exit_status) {
+void add_effects_command(CLI::App& app, int& exit_status) {
   const auto options = std::make_shared<Options>();
-  CLI::App* plan = app.add_subcommand("plan", "Planned simulations against full ones over random scenes");
-  plan->footer(
-      "Shots by the planned and by the full model, same seed: no number may differ by more than the "
+  CLI::App* effects =
+      app.add_subcommand("effects", "Models that leave effects out against full ones over random scenes");
+  effects->footer(
+      "Shots by the chosen and by the full model, same seed: no number may differ by more than the "
       "tolerance.\n"
       "A scene where one does is printed (TOML); its number repeats it: --first N --scenes 1.\n"
-      "Example: strobe-bench plan --scenes 2000 --tolerances 0.1% 1%");
-  plan->add_option("--scenes", options->scenes, "How many")
+      "Example: strobe-bench effects --scenes 2000 --tolerances 0.1% 1%");
+  effects->add_option("--scenes", options->scenes, "How many")
       ->capture_default_str()
       ->check(CLI::Range(1, 10000000));
-  plan->add_option("--first", options->first, "Number of the first scene")->capture_default_str();
-  plan->add_option("--shots", options->shots, "Of each scene")
+  effects->add_option("--first", options->first, "Number of the first scene")->capture_default_str();
+  effects->add_option("--shots", options->shots, "Of each scene")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
-  plan->add_option("--threads", options->threads, "")->capture_default_str()->check(CLI::Range(1, 256));
-  plan->add_option("--tolerances", options->tolerances, "As percentages or numbers")->capture_default_str();
-  plan->add_flag("--each-effect", options->each_effect, "Hold each effect's bound against it as well");
-  plan->add_option("--write-scenes", options->scenes_folder,
-                   "Write the scenes to this folder instead, for strobe-sim plan");
-  plan->callback([options, &exit_status] { exit_status = study(*options); });
+  effects->add_option("--threads", options->threads, "")->capture_default_str()->check(CLI::Range(1, 256));
+  effects->add_option("--tolerances", options->tolerances, "As percentages or numbers")
+      ->capture_default_str();
+  effects->add_option("--write-scenes", options->scenes_folder,
+                      "Write the scenes to this folder instead, for strobe-sim effects");
+  effects->callback([options, &exit_status] { exit_status = study(*options); });
 }
 
 }  // namespace strobe::studies

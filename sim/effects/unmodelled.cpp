@@ -1,4 +1,4 @@
-#include "sim/plan/unmodelled.hpp"
+#include "sim/effects/unmodelled.hpp"
 
 #include <algorithm>
 #include <cmath>
