@@ -6,10 +6,9 @@
 #include <fstream>
 
 #include "sim/commands/commands.hpp"
-#include "sim/loading/scene_files.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/photograph/board.hpp"
-#include "sim/photograph/board_view.hpp"
-#include "sim/photograph/photograph_file.hpp"
+#include "sim/photograph/render.hpp"
 
 namespace strobe::sim {
 

@@ -13,8 +13,8 @@
 #include "sim/commands/commands.hpp"
 #include "sim/effects/choice.hpp"
 #include "sim/effects/unmodelled.hpp"
-#include "sim/loading/scene_files.hpp"
-#include "sim/scene/model_text.hpp"
+#include "sim/loading/load_scene.hpp"
+#include "sim/scene/model.hpp"
 
 namespace strobe::sim {
 

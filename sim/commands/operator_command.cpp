@@ -14,8 +14,7 @@
 #include "sim/commands/commands.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "sim/live/child_process.hpp"
-#include "sim/live/joined_program.hpp"
-#include "sim/scene/lines.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
 

@@ -13,14 +13,12 @@
 #include "sim/commands/commands.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "sim/live/child_process.hpp"
-#include "sim/live/joined_program.hpp"
 #include "sim/live/rig_runner.hpp"
 #include "sim/live/tablet_operator.hpp"
-#include "sim/live/temporary_folder.hpp"
 #include "sim/live/tethered_camera.hpp"
-#include "sim/loading/scene_files.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/rig_file/rig_file.hpp"
-#include "sim/scene/reduced_scene.hpp"
+#include "sim/scene/model.hpp"
 
 namespace strobe::sim {
 

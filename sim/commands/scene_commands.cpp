@@ -10,7 +10,7 @@
 #include "common/messages/parsed_json.hpp"
 #include "sim/commands/commands.hpp"
 #include "sim/fit/fit.hpp"
-#include "sim/loading/scene_files.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/scene/spring.hpp"
 
 namespace strobe::sim {

@@ -7,11 +7,10 @@
 
 #include "common/messages/json_conversions.hpp"
 #include "sim/commands/commands.hpp"
-#include "sim/loading/scene_files.hpp"
-#include "sim/photograph/photograph_file.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/photograph/render.hpp"
 #include "sim/rig/truth.hpp"
-#include "sim/scene/model_text.hpp"
+#include "sim/scene/model.hpp"
 
 namespace strobe::sim {
 

@@ -2,20 +2,111 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <linux/gpio.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "sim/gpiochip/debounce.hpp"
-#include "sim/gpiochip/edges.hpp"
 #include "sim/gpiochip/folder.hpp"
 #include "sim/gpiochip/levels.hpp"
 #include "sim/gpiochip/ownership.hpp"
 #include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
+
+namespace strobe::sim::gpio {
+namespace {
+
+constexpr int kDepthV1 = 16;
+
+bool is_active(std::uint32_t config, unsigned level) {
+  return (level != 0) != ((config & ConfigWord::kActiveLow) != 0);
+}
+
+bool is_wanted(std::uint32_t config, unsigned level) {
+  const std::uint32_t edge = is_active(config, level) ? ConfigWord::kRising : ConfigWord::kFalling;
+  return (config & ConfigWord::kRequested) != 0 && (config & edge) != 0;
+}
+
+void emit_v1(int fifo, std::uint32_t config, unsigned level, std::int64_t stamp_ns) {
+  int queued = 0;
+  if (fifo < 0 || sys::ioctl(fifo, FIONREAD, &queued) != 0) return;
+  gpioevent_data event{};
+  if (queued >= kDepthV1 * static_cast<int>(sizeof(event))) return;
+  event.timestamp = static_cast<std::uint64_t>(stamp_ns);
+  event.id = is_active(config, level) ? GPIOEVENT_EVENT_RISING_EDGE : GPIOEVENT_EVENT_FALLING_EDGE;
+  sys::write(fifo, &event, sizeof(event));
+}
+
+/// As the kernel's linereq_put_event(). A read takes whole events, also this one of the oldest: nobody reads
+/// between its bytes.
+void put_dropping_oldest(int fifo, std::uint32_t depth, const gpio_v2_line_event& event) {
+  int queued = 0;
+  gpio_v2_line_event oldest;
+  if (sys::ioctl(fifo, FIONREAD, &queued) != 0) return;
+  if (queued >= static_cast<int>(depth * sizeof(event))) sys::read(fifo, &oldest, sizeof(oldest));
+  // A FIFO for which the system grants few pages may be full before its depth.
+  while (sys::write(fifo, &event, sizeof(event)) < 0 && sys::read(fifo, &oldest, sizeof(oldest)) > 0) {
+  }
+}
+
+gpio_v2_line_event event_of(State& state, std::uint32_t line, unsigned level, std::int64_t stamp_ns) {
+  gpio_v2_line_event event{};
+  const std::uint32_t config = state.lines[line].config.load();
+  const bool realtime = (config & ConfigWord::kRealtime) != 0;
+  event.timestamp_ns =
+      static_cast<std::uint64_t>(realtime ? stamp_ns + realtime_ns(state) - now_ns(state) : stamp_ns);
+  event.id = is_active(config, level) ? GPIO_V2_LINE_EVENT_RISING_EDGE : GPIO_V2_LINE_EVENT_FALLING_EDGE;
+  event.offset = line;
+  return event;
+}
+
+void emit_v2(const ChipFolder& folder, std::uint32_t line, unsigned level, std::int64_t stamp_ns) {
+  State& state = *folder.state;
+  const std::uint32_t slot = ConfigWord::slot(state.lines[line].config.load());
+  const EmitLock lock(folder.lock_fd, slot);
+  // Looked at again: meanwhile the request may have ended and another one have its slot.
+  const std::uint32_t config = state.lines[line].config.load();
+  const bool same = (config & ConfigWord::kVersion2) != 0 && ConfigWord::slot(config) == slot;
+  if (!lock.held() || !same || !is_wanted(config, level) || folder.requests[slot] < 0) return;
+  Handle& request = state.handles[slot];
+  gpio_v2_line_event event = event_of(state, line, level, stamp_ns);
+  // Numbered first: an edge whose process is killed here is missing, and told so by its number.
+  event.line_seqno = state.lines[line].seqno.fetch_add(1) + 1;
+  event.seqno = request.count.load() == 1 ? event.line_seqno : request.seqno.fetch_add(1) + 1;
+  put_dropping_oldest(folder.requests[slot], request.event_depth.load(), event);
+}
+
+/// Emits the event of a debounced line that has settled at `now_ns` at `level`. Nobody else emits an edge of
+/// this line meanwhile.
+void emit_settled(const ChipFolder& folder, std::uint32_t line, unsigned level, std::int64_t now_ns) {
+  Settled settled;
+  if (!take_settled(*folder.state, line, level, now_ns, settled) || !settled.changed) return;
+  if (is_wanted(folder.state->lines[line].config.load(), level))
+    emit_v2(folder, line, level, settled.stamp_ns);
+}
+
+/// The line has just become `level` at `stamp_ns`, and whoever requested it for that edge gets its event. Nobody else emits
+/// an edge of this line meanwhile. A v1 request's queue holds 16 events, and a newer one is dropped. A v2 request's drops
+/// the oldest, and numbers all its edges, dropped ones too. A debounced line only notes the edge.
+void emit_edge(const ChipFolder& folder, std::uint32_t line, unsigned level, std::int64_t stamp_ns) {
+  const std::uint32_t config = folder.state->lines[line].config.load();
+  if (is_debounced(*folder.state, line)) {
+    emit_settled(folder, line, 1 - level, stamp_ns);  // before this edge
+    return note_bounce(*folder.state, line, stamp_ns);
+  }
+  if (!is_wanted(config, level)) return;
+  if ((config & ConfigWord::kVersion2) != 0) {
+    emit_v2(folder, line, level, stamp_ns);
+  } else {
+    emit_v1(folder.events[line], config, level, stamp_ns);
+  }
+}
+
+}  // namespace
+}  // namespace strobe::sim::gpio
 
 namespace strobe::sim {
 namespace {
@@ -25,14 +116,6 @@ constexpr std::int64_t kSweep_ns = 1'000'000;
 // In rig time each look stops the program under test; an edge that must settle is reported then.
 constexpr std::int64_t kKeptSweep_ns = 100'000'000;
 constexpr std::int64_t kDebounceSweep_ns = 20'000'000;
-
-static_assert(static_cast<int>(Cause::set) == static_cast<int>(gpio::CauseCode::set));
-static_assert(static_cast<int>(Cause::request) == static_cast<int>(gpio::CauseCode::request));
-static_assert(static_cast<int>(Cause::release) == static_cast<int>(gpio::CauseCode::release));
-static_assert(static_cast<int>(Cause::drive) == static_cast<int>(gpio::CauseCode::drive));
-static_assert(static_cast<int>(Bias::set) == static_cast<int>(gpio::BiasCode::set));
-static_assert(static_cast<int>(Bias::ignored) == static_cast<int>(gpio::BiasCode::ignored));
-static_assert(static_cast<int>(Bias::refused) == static_cast<int>(gpio::BiasCode::refused));
 
 Change unpack(const gpio::State& state, std::uint64_t word) {
   using gpio::RingWord;
@@ -81,7 +164,7 @@ struct Chip::Impl {
     if (line >= state().line_count || state().unplugged.load() != 0) return;
     const std::int64_t stamp_ns = std::min(to_ns(stamp), gpio::now_ns(state()));
     lock_drive(line);
-    if (gpio::change_line(state(), line, edit, gpio::CauseCode::drive, stamp_ns))
+    if (gpio::change_line(state(), line, edit, gpio::Cause::drive, stamp_ns))
       gpio::emit_edge(folder, line, gpio::level_of(state(), line), stamp_ns);
     unlock_drive(line);
     gpio::notify(state());
@@ -218,7 +301,7 @@ void Chip::unplug() {
   state.unplugged.store(1);
   impl_->folder.close_events();
   for (std::uint32_t line = 0; state.input_on_release != 0 && line < state.line_count; ++line) {
-    gpio::change_line(state, line, gpio::float_edit(), gpio::CauseCode::release, gpio::now_ns(state));
+    gpio::change_line(state, line, gpio::float_edit(), gpio::Cause::release, gpio::now_ns(state));
   }
   gpio::notify(state);
 }
@@ -239,5 +322,28 @@ Result<std::filesystem::path> preload_path() {
   return fail("libstrobe-gpiochip.so is not beside " + self.string() + " (expected in " +
               (prefix / "lib").string() + ")");
 }
+
+MonoTime RigClock::now() const {
+  return from_ns(state_ != nullptr ? gpio::now_ns(*state_) : gpio::sys::now_ns());
+}
+
+Duration RigClock::since_boot() const {
+  return Duration{state_ != nullptr ? gpio::boottime_ns(*state_) : gpio::sys::clock_ns(CLOCK_BOOTTIME)};
+}
+
+WallTime RigClock::wall() const {
+  return WallTime{
+      Duration{state_ != nullptr ? gpio::realtime_ns(*state_) : gpio::sys::clock_ns(CLOCK_REALTIME)}};
+}
+
+void RigClock::sleep_for(Duration duration) const { static_cast<void>(poll(nullptr, 0, duration)); }
+
+int RigClock::poll(struct pollfd* polled, nfds_t count, Duration timeout) const {
+  const std::int64_t timeout_ns = to_ns(MonoTime{} + timeout);
+  if (state_ != nullptr && gpio::is_kept(*state_)) return gpio::wait_for(*state_, polled, count, timeout_ns);
+  return ::poll(polled, count, static_cast<int>(timeout_ns / 1'000'000));
+}
+
+std::uint64_t RigClock::seed() const { return state_ != nullptr ? state_->time.seed : 0; }
 
 }  // namespace strobe::sim

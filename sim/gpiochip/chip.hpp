@@ -16,6 +16,8 @@
 // inside a set of several lines may have set only the first of them.
 #pragma once
 
+#include <poll.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -25,7 +27,6 @@
 
 #include "common/result.hpp"
 #include "common/units/time.hpp"
-#include "sim/gpiochip/rig_clock.hpp"
 #include "sim/gpiochip/state.hpp"
 #include "sim/gpiochip/time_keeper.hpp"
 
@@ -36,12 +37,8 @@ enum class OnRelease {
   input,  ///< a released output returns to input, read as the line's idle level
 };
 
-/// What becomes of a request that asks for a bias.
-enum class Bias {
-  set,      ///< the chip has pull-up and pull-down resistors
-  ignored,  ///< it has none: Linux grants the request and shows the bias all the same
-  refused,  ///< EINVAL, as of a kernel before 5.5 or a driver that says no
-};
+using gpio::Bias;
+using gpio::Cause;
 
 struct LineSpec {
   std::string name;     ///< at most 31 characters; may be empty
@@ -57,9 +54,6 @@ struct ChipSpec {
   OnRelease on_release = OnRelease::keep;
   Bias bias = Bias::set;
 };
-
-/// Why a line changed.
-enum class Cause : std::uint8_t { set, request, release, drive };
 
 struct Change {
   MonoTime time;  ///< of the change itself, stamped by the process that made it
@@ -78,6 +72,26 @@ struct LineState {
 /// A reader's position in the ring of changes.
 struct ChangeCursor {
   std::uint64_t next = 0;
+};
+
+/// A clock for the threads of the rig's own program: rig time (rig_time.hpp) while the chip keeps one, else the machine's.
+/// Thread-safe; of a chip that must outlive it.
+class RigClock {
+ public:
+  RigClock() = default;  ///< the machine's
+  explicit RigClock(gpio::State& state) : state_(&state) {}
+
+  MonoTime now() const;
+  Duration since_boot() const;  ///< CLOCK_BOOTTIME
+  WallTime wall() const;        ///< CLOCK_REALTIME
+  void sleep_for(Duration duration) const;
+  /// As poll(2).
+  int poll(struct pollfd* polled, nfds_t count, Duration timeout) const;
+  /// Of what programs draw in a run that is to repeat; 0: they draw as they like.
+  std::uint64_t seed() const;
+
+ private:
+  gpio::State* state_ = nullptr;
 };
 
 class Chip {

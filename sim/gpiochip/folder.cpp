@@ -82,7 +82,7 @@ void fill_state(State& state, const ChipSpec& spec, const std::filesystem::path&
   state.version = kVersion;
   state.line_count = static_cast<std::uint32_t>(spec.lines.size());
   state.input_on_release = spec.on_release == OnRelease::input ? 1 : 0;
-  state.bias = static_cast<BiasCode>(spec.bias);
+  state.bias = spec.bias;
   memcpy(state.name, spec.name.data(), spec.name.size());
   memcpy(state.label, spec.label.data(), spec.label.size());
   state.epoch_ns = sys::now_ns() - kEpochMargin_ns;

@@ -52,6 +52,12 @@ std::uint64_t packed_time(const State& state, std::int64_t time_ns) {
   return static_cast<std::uint64_t>(since > 0 ? since : 0) << LevelWord::kTimeShift;
 }
 
+/// The end of the period that the last edge began.
+std::int64_t end_of_period_ns(const State& state, std::uint32_t line, std::uint64_t word) {
+  const auto edge_ns = static_cast<std::int64_t>(word >> DebounceWord::kTimeShift) + state.epoch_ns;
+  return edge_ns + std::int64_t{state.lines[line].debounce_us.load()} * 1'000;
+}
+
 }  // namespace
 
 void clear_ring(State& state) {
@@ -59,7 +65,7 @@ void clear_ring(State& state) {
     slot.store(RingWord::tag(-std::uint64_t{1}));  // lap before 0
 }
 
-bool change_line(State& state, std::uint32_t line, PinEdit edit, CauseCode cause, std::int64_t time_ns) {
+bool change_line(State& state, std::uint32_t line, PinEdit edit, Cause cause, std::int64_t time_ns) {
   std::atomic<std::uint64_t>& level = state.lines[line].level;
   for (;;) {
     const std::uint64_t from = state.head.load();
@@ -115,6 +121,38 @@ Slot read_slot(State& state, std::uint64_t position, std::uint64_t& word) {
   word = state.ring[position % kRingSize].load();
   const bool same_lap = (word & RingWord::kTagMask) == RingWord::tag(position);
   return same_lap && state.head.load() - position <= kRingSize ? Slot::ready : Slot::lapped;
+}
+
+void set_debounce(State& state, std::uint32_t line, std::uint32_t period_us) {
+  Line& entry = state.lines[line];
+  if (entry.debounce_us.load() == 0) entry.debounce.store(level_of(state, line));
+  entry.debounce_us.store(period_us);
+}
+
+unsigned debounced_level(const State& state, std::uint32_t line, std::int64_t now_ns) {
+  if (!is_debounced(state, line)) return level_of(state, line);
+  const std::uint64_t word = state.lines[line].debounce.load();
+  const bool settled = (word & DebounceWord::kBouncing) != 0 && now_ns >= end_of_period_ns(state, line, word);
+  return settled ? level_of(state, line) : static_cast<unsigned>(word & DebounceWord::kLevel);
+}
+
+void note_bounce(State& state, std::uint32_t line, std::int64_t stamp_ns) {
+  std::atomic<std::uint64_t>& word = state.lines[line].debounce;
+  const std::uint64_t level = word.load() & DebounceWord::kLevel;
+  const std::int64_t since_ns = stamp_ns > state.epoch_ns ? stamp_ns - state.epoch_ns : 0;
+  word.store(static_cast<std::uint64_t>(since_ns) << DebounceWord::kTimeShift | DebounceWord::kBouncing |
+             level);
+}
+
+bool take_settled(State& state, std::uint32_t line, unsigned level, std::int64_t now_ns, Settled& settled) {
+  std::atomic<std::uint64_t>& word = state.lines[line].debounce;
+  const std::uint64_t before = word.load();
+  if (!is_debounced(state, line) || (before & DebounceWord::kBouncing) == 0) return false;
+  settled.stamp_ns = end_of_period_ns(state, line, before);
+  if (now_ns < settled.stamp_ns) return false;
+  settled.changed = (before & DebounceWord::kLevel) != level;
+  word.store(level);
+  return true;
 }
 
 }  // namespace strobe::sim::gpio

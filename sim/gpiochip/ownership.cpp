@@ -90,7 +90,7 @@ void release_line(State& state, const char* folder, std::uint32_t line) {
   Line& entry = state.lines[line];
   std::uint32_t config = entry.config.load() & ConfigWord::kKeptByRelease;
   if (state.input_on_release != 0) {
-    change_line(state, line, float_edit(), CauseCode::release, now_ns(state));
+    change_line(state, line, float_edit(), Cause::release, now_ns(state));
     config &= ~ConfigWord::kIsOut;
   }
   set_consumer(entry, "");

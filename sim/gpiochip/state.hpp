@@ -39,8 +39,15 @@ inline constexpr std::int64_t kEmitByte =
 
 inline constexpr unsigned kDeviceMajor = 254;
 
-enum class CauseCode : std::uint8_t { set = 0, request = 1, release = 2, drive = 3 };
-enum class BiasCode : std::uint32_t { set = 0, ignored = 1, refused = 2 };  ///< see Bias in chip.hpp
+/// Why a line changed.
+enum class Cause : std::uint8_t { set = 0, request = 1, release = 2, drive = 3 };
+
+/// What becomes of a request that asks for a bias.
+enum class Bias : std::uint32_t {
+  set = 0,      ///< the chip has pull-up and pull-down resistors
+  ignored = 1,  ///< it has none: Linux grants the request and shows the bias all the same
+  refused = 2,  ///< EINVAL, as of a kernel before 5.5 or a driver that says no
+};
 
 /// A line's electrical state in one word: how the chip drives it, its level from outside, what the chip's own
 /// resistor pulls it to where its wire is open, and the last change. While `pending` is set, that change has
@@ -205,7 +212,7 @@ struct State {
   std::uint32_t version;
   std::uint32_t line_count;
   std::uint32_t input_on_release;
-  BiasCode bias;
+  Bias bias;
   std::atomic<std::uint32_t> record_sizes;
   char name[kNameSize];
   char label[kNameSize];

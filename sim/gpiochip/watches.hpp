@@ -7,7 +7,6 @@
 #pragma once
 
 #include <linux/gpio.h>
-
 #include <cstdint>
 
 #include "sim/gpiochip/state.hpp"
@@ -19,5 +18,10 @@ void tell_watchers(State& state, const char* folder, std::uint32_t line, std::ui
 
 /// By bit; also lines that a process watched which died since.
 std::uint64_t watched_lines(const State& state);
+
+// What a line's information says, in the words of uAPI v2 and v1.
+
+gpio_v2_line_info info_of(const State& state, std::uint32_t line);
+gpioline_info to_v1(const gpio_v2_line_info& info);
 
 }  // namespace strobe::sim::gpio

@@ -2,13 +2,15 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <thread>
 
 namespace strobe::sim {
 
@@ -35,6 +37,27 @@ sigset_t child_signals() {
   const int error = errno;
   static_cast<void>(!write(report, &error, sizeof error));
   _exit(127);
+}
+
+namespace fs = std::filesystem;
+
+constexpr int kTries = 100;
+constexpr std::chrono::milliseconds kTryEvery{100};
+
+/// LD_PRELOAD is split at blanks and colons: a library whose path has some is reached by a link, as long as this program
+/// lives.
+fs::path preloadable(const fs::path& library) {
+  if (library.string().find_first_of(" :") == std::string::npos) return library;
+  static const TemporaryFolder folder;
+  const fs::path link = folder.path() / library.filename();
+  std::error_code error;
+  fs::create_symlink(library, link, error);
+  return fs::exists(link, error) ? link : library;
+}
+
+std::string preload_with(const fs::path& library) {
+  const char* before = std::getenv("LD_PRELOAD");
+  return before && *before ? library.string() + ":" + before : library.string();
 }
 
 }  // namespace
@@ -84,6 +107,24 @@ int wait_for_child(int pid) {
     const bool from_terminal = info.si_code == SI_KERNEL;
     if (signal > 0 && signal != SIGCHLD && !from_terminal) kill(pid, signal);
   }
+}
+
+Result<int> start_joined(const std::vector<std::string>& command, const fs::path& chip_folder,
+                         const std::function<void()>& join) {
+  const auto library = preload_path();
+  if (!library) return tl::unexpected(library.error());
+  return start_child(
+      command,
+      {{"LD_PRELOAD", preload_with(preloadable(*library))}, {kChipDirVariable, chip_folder.string()}}, join);
+}
+
+Result<Chip> attach_to_rig(const fs::path& chip_folder) {
+  auto chip = Chip::attach(chip_folder);
+  for (int tries = 0; !chip && tries < kTries; ++tries) {
+    std::this_thread::sleep_for(kTryEvery);
+    chip = Chip::attach(chip_folder);
+  }
+  return chip;
 }
 
 }  // namespace strobe::sim

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sim/gpiochip/chip.hpp"
-#include "sim/live/exposure_store.hpp"
+#include "sim/live/exposures.hpp"
 #include "sim/rig/rig.hpp"
 
 namespace strobe::sim {

@@ -21,9 +21,8 @@
 #include "common/shot/shot_key.hpp"
 #include "common/wire/assembler.hpp"
 #include "common/wire/channel_socket.hpp"
-#include "sim/gpiochip/rig_clock.hpp"
-#include "sim/live/exposure_store.hpp"
-#include "sim/live/truth_file.hpp"
+#include "sim/gpiochip/chip.hpp"
+#include "sim/live/exposures.hpp"
 #include "sim/rig/tablet.hpp"
 
 namespace strobe::sim {

@@ -4,7 +4,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "sim/photograph/photograph_file.hpp"
 #include "sim/photograph/render.hpp"
 
 namespace strobe::sim {

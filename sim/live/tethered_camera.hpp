@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/result.hpp"
-#include "sim/gpiochip/rig_clock.hpp"
-#include "sim/live/exposure_store.hpp"
+#include "sim/gpiochip/chip.hpp"
+#include "sim/live/exposures.hpp"
 
 namespace strobe::sim {
 

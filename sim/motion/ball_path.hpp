@@ -6,13 +6,14 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 
+#include "common/impact/closed_form/rebound.hpp"
 #include "common/result.hpp"
 #include "sim/motion/contact_path.hpp"
 #include "sim/motion/flight.hpp"
-#include "sim/motion/shot_conditions.hpp"
 #include "sim/scene/model.hpp"
 #include "sim/scene/scene.hpp"
 

@@ -6,7 +6,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "sim/random/draws.hpp"
-#include "sim/random/noise.hpp"
 
 namespace strobe::sim {
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/scene/scene.hpp"
+
 namespace strobe::sim {
 
 enum class BoardPrint { chessboard, circles, staggered };
@@ -56,5 +58,16 @@ BoardPhotograph photograph_board(const BoardCamera& camera, const Board& board, 
 /// The truth as one JSON object: camera, board, place and points.
 std::string board_truth_json(const BoardCamera& camera, const Board& board, const BoardPlace& place,
                              const BoardPhotograph& photograph, const std::string& file);
+
+// A calibration board seen by a scene's camera, as a lab photographs one before its balls. Pure; thread-safe.
+
+struct BoardView {
+  BoardCamera camera;  ///< the scene's: size, scale, the lens's place and distortion
+  BoardPlace place;    ///< in the balls' plane, in the middle of the photograph
+};
+
+/// A scene whose lens is infinitely far away gets one that is 100 m away: perspective then moves a ball's outline by less
+/// than a thousandth of its diameter.
+BoardView board_view(const Scene& scene);
 
 }  // namespace strobe::sim

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "common/messages/parsed_json.hpp"
 #include "sim/random/draws.hpp"
+#include "sim/rig/camera.hpp"
+#include "sim/rig/truth.hpp"
 
 namespace strobe::sim {
 
@@ -110,6 +114,160 @@ class Flashes {
   Optics optics_;
 };
 
+using nlohmann::json;
+using reduction::PointPx;
+
+constexpr int kTruePoints = 256;
+
+/// The scene's camera with a perfect lens, square to the plane.
+Scene without_distortion(Scene scene) {
+  scene.camera.distortion = scene.camera.swing_rad = scene.camera.tilt_rad = 0.0;
+  return scene;
+}
+
+double modulo_pi(double angle_rad) {
+  return angle_rad - std::numbers::pi * std::floor(angle_rad / std::numbers::pi);
+}
+
+class Truth {
+ public:
+  Truth(const Scene& scene, const Appearance& appearance)
+      : scene_(without_distortion(scene)),
+        appearance_(appearance),
+        camera_(scene_),
+        straight_(scene_),
+        optics_(scene) {}
+
+  ImageTruth image(const BallImageOnSensor& on_sensor, const Exposure& exposure) const {
+    const FilmImage& film = on_sensor.film;
+    const BallState& s = film.state;
+    const BallPath& path = exposure.ball->path;
+    const double radius_m = scene_.ball.radius_m();
+    const bool contact = s.top_drop_m > 0.0;
+    const double x_m = s.x_m + path.spot_m();
+    const double y_m = contact ? radius_m - s.top_drop_m : s.y_m;
+    const BallView view = camera_.view(x_m, y_m, path.off_plane_m(), s.equator_rad);
+    ImageTruth image;
+    image.flash_index = film.pulse;
+    image.time_s = to_seconds(film.time - exposure.pulses.front().edge) + 0.5 * scene_.lamps.flash_s;
+    const bool after = to_seconds(film.time - exposure.ball->touchdown) > 0.5 * path.dwell_s();
+    image.leg = contact ? reduction::Leg::contact
+                : after ? reduction::Leg::rebound
+                        : reduction::Leg::incoming;
+    image.centre_px = view.centre_px;
+    image.diameter_px = view.diameter_px();
+    image.equator_rad = modulo_pi(line_seen(on_sensor.middle));
+    image.top_px = top_of(view);
+    image.top_drop_px = s.top_drop_m * scale_at(path.off_plane_m());
+    if (contact) {
+      const double half_m = std::sqrt(std::max(0.0, radius_m * radius_m - y_m * y_m));
+      image.contact_width_px = 2.0 * half_m * scale_at(path.off_plane_m());
+    }
+    tell_share(on_sensor.middle.centre, image);
+    return image;
+  }
+
+  double scale_at(double off_plane_m) const {
+    const double distance_m = scene_.camera.distance_m;
+    return scene_.camera.px_per_m * (distance_m > 0.0 ? distance_m / (distance_m - off_plane_m) : 1.0);
+  }
+  PointPx surface(double share) const { return camera_.project(share * camera_.half_width_m(), 0.0); }
+  const SensorSize& sensor() const { return optics_.sensor(); }
+
+ private:
+  PointPx plane_px(const Vec2& image) const { return {image.x, optics_.sensor().height - 1.0 - image.y}; }
+
+  /// Through the images of the two points where the line, a great circle that may be tilted against the line
+  /// of sight, leaves the outline: n = cos(psi)·e + sin(psi)·f with (C - lens)·n = -R.
+  double line_seen(const LitBall& ball) const {
+    const double tilt = appearance_.ball.line_tilt_rad;
+    const double c = std::cos(ball.angle_rad), s = std::sin(ball.angle_rad);
+    const Vec3 e{c, s, 0.0};
+    const Vec3 f{std::sin(tilt) * s, -std::sin(tilt) * c, std::cos(tilt)};
+    const double radius_m = scene_.ball.radius_m();
+    double first = 0.0, second = std::numbers::pi;
+    if (optics_.perspective()) {
+      const Vec3 from_lens = ball.centre - Vec3{0.0, 0.0, optics_.distance_m()};
+      const double a = dot(from_lens, e), b = dot(from_lens, f);
+      const double middle = std::atan2(b, a);
+      const double half = std::acos(std::clamp(-radius_m / std::hypot(a, b), -1.0, 1.0));
+      first = middle + half;
+      second = middle - half;
+    }
+    const auto seen = [&](double psi) {
+      return plane_px(straight_.image_of(ball.centre + radius_m * (std::cos(psi) * e + std::sin(psi) * f)));
+    };
+    const PointPx p = seen(first), q = seen(second);
+    return std::atan2(p.y - q.y, p.x - q.x);
+  }
+
+  PointPx top_of(const BallView& view) const {
+    const PointPx a = camera_.project(0.0, 0.0), b = camera_.project(0.0, scene_.camera.height_m);
+    const double length = std::hypot(b.x - a.x, b.y - a.y);
+    const double ux = (b.x - a.x) / length, uy = (b.y - a.y) / length;
+    const double c = std::cos(view.axis_rad), s = std::sin(view.axis_rad);
+    const double along = c * ux + s * uy, across = c * uy - s * ux;
+    const double aa = view.along_px * view.along_px, bb = view.across_px * view.across_px;
+    const double reach = std::sqrt(aa * along * along + bb * across * across);
+    return {view.centre_px.x + (c * aa * along - s * bb * across) / reach,
+            view.centre_px.y + (s * aa * along + c * bb * across) / reach};
+  }
+
+  void tell_share(const Vec3& centre, ImageTruth& image) const {
+    const std::vector<Vec2> outline = outline_on_sensor(optics_, centre, scene_.ball.radius_m(), kTruePoints);
+    const auto inside = std::ranges::count_if(outline, [&](const Vec2& p) {
+      return p.x >= -0.5 && p.y >= -0.5 && p.x <= sensor().width - 0.5 && p.y <= sensor().height - 0.5;
+    });
+    image.whole = inside == kTruePoints;
+    image.share_on_sensor = static_cast<double>(inside) / kTruePoints;
+  }
+
+  Scene scene_;
+  const Appearance& appearance_;
+  Camera camera_;
+  Optics straight_;
+  Optics optics_;
+};
+
+std::optional<double> stamp_s(const Pulse& pulse, MonoTime origin) {
+  double sum = 0.0;
+  int stamped = 0;
+  for (const MonoTime stamp : pulse.stamps) {
+    if (!known(stamp)) continue;
+    sum += to_seconds(stamp - origin);
+    ++stamped;
+  }
+  return stamped > 0 ? std::optional(sum / stamped) : std::nullopt;
+}
+
+json point(const PointPx& p) { return json::array({p.x, p.y}); }
+
+json image_json(const ImageTruth& i) {
+  json object = {
+      {"flash_index", i.flash_index},        {"time_s", i.time_s},           {"leg", name(i.leg)},
+      {"centre_px", point(i.centre_px)},     {"diameter_px", i.diameter_px}, {"equator_rad", i.equator_rad},
+      {"top_px", point(i.top_px)},           {"top_drop_px", i.top_drop_px}, {"whole", i.whole},
+      {"share_on_sensor", i.share_on_sensor}};
+  object["contact_width_px"] = i.contact_width_px ? json(*i.contact_width_px) : json(nullptr);
+  return object;
+}
+
+json appearance_json(const Scene& scene, const Appearance& appearance) {
+  return {{"blur_px", appearance.blur_px},
+          {"defocus_px", scene.photograph.defocus_px},
+          {"exposure", scene.photograph.exposure},
+          {"bits", scene.photograph.bits},
+          {"line", appearance.ball.line},
+          {"line_width_m", appearance.ball.line_width_m},
+          {"line_contrast", appearance.ball.line_contrast},
+          {"line_tilt_rad", appearance.ball.line_tilt_rad},
+          {"grain", appearance.ball.grain},
+          {"fuzz_px", appearance.ball.fuzz_px},
+          {"lamp_powers", {appearance.lamps[0].power, appearance.lamps[1].power}},
+          {"wall", appearance.background.wall},
+          {"plate_brightness", appearance.background.plate_brightness}};
+}
+
 }  // namespace
 
 std::vector<Vec2> outline_on_sensor(const Optics& optics, const Vec3& centre, double radius_m, int points) {
@@ -175,6 +333,43 @@ std::array<double, 2> light_of_all(const Exposure& exposure, const Appearance& a
     sum[1] += light[1];
   }
   return sum;
+}
+
+PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, const Appearance& appearance,
+                                 const std::vector<BallImageOnSensor>& images) {
+  const Truth truth(scene, appearance);
+  PhotographTruth result;
+  result.width_px = truth.sensor().width;
+  result.height_px = truth.sensor().height;
+  result.px_per_m = scene.camera.px_per_m;
+  result.px_per_m_of_ball = truth.scale_at(exposure.ball ? exposure.ball->path.off_plane_m() : 0.0);
+  result.surface_px = {truth.surface(-1.0), truth.surface(1.0)};
+  std::ranges::sort(result.surface_px, {}, &PointPx::x);
+  for (const Pulse& pulse : exposure.pulses)
+    result.flash_times_s.push_back(stamp_s(pulse, exposure.pulses.front().edge));
+  for (const BallImageOnSensor& image : images) result.images.push_back(truth.image(image, exposure));
+  return result;
+}
+
+std::string photograph_line(const Scene& scene, const Exposure& exposure, int shot_id,
+                            const Appearance& appearance, const PhotographTruth& truth,
+                            const std::string& file) {
+  json line = messages::parsed_json<json>(truth_line(scene, exposure, shot_id));
+  line["file"] = file.empty() ? json(nullptr) : json(file);
+  line["width_px"] = truth.width_px;
+  line["height_px"] = truth.height_px;
+  line["px_per_m"] = truth.px_per_m;
+  line["px_per_m_of_ball"] = truth.px_per_m_of_ball;
+  line["ball_diameter_m"] = scene.ball.diameter_m;
+  line["surface_px"] = json::array();
+  for (const PointPx& p : truth.surface_px) line["surface_px"].push_back(point(p));
+  line["flash_times_s"] = json::array();
+  for (const auto& time : truth.flash_times_s)
+    line["flash_times_s"].push_back(time ? json(*time) : json(nullptr));
+  line["images"] = json::array();
+  for (const ImageTruth& image : truth.images) line["images"].push_back(image_json(image));
+  line["appearance"] = appearance_json(scene, appearance);
+  return messages::json_text(line);
 }
 
 }  // namespace strobe::sim

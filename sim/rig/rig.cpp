@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "common/flight/aerodynamics.hpp"
-#include "sim/scene/reduced_scene.hpp"
+#include "sim/scene/model.hpp"
 
 namespace strobe::sim {
 

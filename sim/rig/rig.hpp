@@ -13,8 +13,6 @@
 #include <vector>
 
 #include "sim/rig/exposure.hpp"
-#include "sim/rig/lamp.hpp"
-#include "sim/scene/lines.hpp"
 #include "sim/scene/model.hpp"
 #include "sim/scene/scene.hpp"
 

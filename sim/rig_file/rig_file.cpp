@@ -8,8 +8,8 @@
 #include <system_error>
 
 #include "common/config/files.hpp"
-#include "sim/photograph/optics.hpp"
-#include "sim/rig/slant.hpp"
+#include "sim/photograph/appearance.hpp"
+#include "sim/rig/camera.hpp"
 
 namespace strobe::sim {
 namespace {

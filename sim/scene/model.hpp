@@ -5,7 +5,11 @@
 #include <array>
 #include <bitset>
 #include <optional>
+#include <string>
 #include <string_view>
+
+#include "common/result.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
 
@@ -76,5 +80,21 @@ class Model {
   std::bitset<kEffectCount> effects_;
   double contact_tolerance_ = kFullContactTolerance;
 };
+
+// Models as text, for the command line. Pure; thread-safe; allocates.
+
+/// "full", "none", a list of the effects to have ("gravity,grip"), or of those to leave out of the full model
+/// ("-pixels,-drag"; "full-pixels-drag" is the same). The error names the word.
+Result<Model> parse_model(std::string_view text);
+
+/// "full", "none", or the list of effects, whichever is the shortest of the forms above.
+std::string model_text(const Model& model);
+
+// A scene with the effects removed that a model leaves out: their keys take the values at which they have no
+// effect. The other numbers drawn for a shot stay the same, since a spread of zero takes its draw as well.
+// Effects that no key can turn off (gravity, and those of the contact) are left out by BallPath. Pure;
+// thread-safe; copies the scene.
+
+Scene reduced_scene(const Scene& scene, const Model& model);
 
 }  // namespace strobe::sim

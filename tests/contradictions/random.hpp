@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <numbers>
 
-#include "sim/random/hash.hpp"
+#include "sim/random/draws.hpp"
 
 namespace strobe::contradictions {
 

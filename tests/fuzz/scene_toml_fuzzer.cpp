@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim/loading/parse_scene.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/motion/ball_path.hpp"
 #include "tests/fuzz/require.hpp"
 

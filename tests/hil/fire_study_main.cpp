@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/loading/scene_files.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/truth_score.hpp"
 #include "tests/support/private_network.hpp"

@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "common/authentication/key_file.hpp"
-#include "sim/gpiochip/rig_clock.hpp"
-#include "sim/loading/scene_files.hpp"
+#include "sim/gpiochip/chip.hpp"
+#include "sim/loading/load_scene.hpp"
 
 namespace strobe::kernel {
 

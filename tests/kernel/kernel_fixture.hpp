@@ -11,9 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "sim/live/exposure_store.hpp"
+#include "sim/live/exposures.hpp"
 #include "sim/live/tablet_operator.hpp"
-#include "sim/live/truth_file.hpp"
 #include "sim/rig/rig.hpp"
 #include "tests/kernel/lcm_bridge.hpp"
 #include "tests/kernel/virtual_machine.hpp"

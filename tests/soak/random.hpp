@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "common/units/time.hpp"
-#include "sim/random/hash.hpp"
+#include "sim/random/draws.hpp"
 
 namespace strobe::soak {
 

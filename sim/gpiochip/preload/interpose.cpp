@@ -14,12 +14,9 @@
 #include <unistd.h>
 
 #include "sim/gpiochip/preload/next.hpp"
-#include "sim/gpiochip/preload/records.hpp"
 #include "sim/gpiochip/preload/uapi.hpp"
 #include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
-
-#define STROBE_EXPORT extern "C" __attribute__((visibility("default")))
 
 namespace gpio = strobe::sim::gpio;
 using gpio::Kind;

@@ -4,7 +4,6 @@
 
 #include "sim/gpiochip/levels.hpp"
 #include "sim/gpiochip/preload/device.hpp"
-#include "sim/gpiochip/preload/pins.hpp"
 #include "sim/gpiochip/system.hpp"
 
 namespace strobe::sim::gpio {
@@ -34,18 +33,17 @@ void configure_line(State& state, std::uint32_t line, const LineSetting& setting
   if (setting.direction == Direction::output) config |= ConfigWord::kIsOut;
   if (setting.direction == Direction::input) config &= ~ConfigWord::kIsOut;
   word.store(config);
-  if (state.bias == BiasCode::set)
-    change_line(state, line, pull_edit(setting.flags), CauseCode::request, now_ns);
+  if (state.bias == Bias::set) change_line(state, line, pull_edit(setting.flags), Cause::request, now_ns);
   if (setting.direction == Direction::output) {
-    change_line(state, line, output_edit(config, setting.value), CauseCode::request, now_ns);
+    change_line(state, line, output_edit(config, setting.value), Cause::request, now_ns);
   } else if (setting.direction == Direction::input) {
-    change_line(state, line, float_edit(), CauseCode::request, now_ns);
+    change_line(state, line, float_edit(), Cause::request, now_ns);
   }
 }
 
 int check_bias(const State& state, std::uint32_t flags) {
   constexpr std::uint32_t kAny = ConfigWord::kPullUp | ConfigWord::kPullDown | ConfigWord::kBiasDisable;
-  return state.bias == BiasCode::refused && (flags & kAny) != 0 ? -EINVAL : 0;
+  return state.bias == Bias::refused && (flags & kAny) != 0 ? -EINVAL : 0;
 }
 
 int check_free(State& state, const ChipLock& lock, std::uint32_t line) {

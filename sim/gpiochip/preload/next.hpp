@@ -3,6 +3,9 @@
 
 #include <dlfcn.h>
 
+/// What a program calls of this library.
+#define STROBE_EXPORT extern "C" __attribute__((visibility("default")))
+
 namespace strobe::sim::gpio {
 
 template <typename Function>

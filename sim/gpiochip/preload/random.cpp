@@ -8,8 +8,6 @@
 #include "sim/gpiochip/preload/device.hpp"
 #include "sim/gpiochip/preload/next.hpp"
 
-#define STROBE_EXPORT extern "C" __attribute__((visibility("default")))
-
 namespace gpio = strobe::sim::gpio;
 
 namespace {

@@ -16,8 +16,6 @@
 #include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
 
-#define STROBE_EXPORT extern "C" __attribute__((visibility("default")))
-
 namespace gpio = strobe::sim::gpio;
 
 namespace {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "sim/scene/lines.hpp"
+#include "sim/scene/scene.hpp"
 #include "tests/benchmarks/timing/clock.hpp"
 
 namespace strobe::benchmarks::timing {

@@ -4,7 +4,7 @@
 
 #include "common/impact/fit/fit_checks.hpp"
 #include "common/reduction/reduce.hpp"
-#include "sim/loading/scene_files.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/shoot/shoot.hpp"
 
 namespace strobe::testing {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "sim/loading/parse_scene.hpp"
-#include "sim/photograph/optics.hpp"
+#include "sim/loading/load_scene.hpp"
+#include "sim/photograph/appearance.hpp"
 #include "tests/host/commands/shipped_programs.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/pictures.hpp"

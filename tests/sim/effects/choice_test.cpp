@@ -4,8 +4,7 @@
 #include <cstdlib>
 
 #include "sim/effects/unmodelled.hpp"
-#include "sim/loading/parse_scene.hpp"
-#include "sim/loading/scene_files.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/random/draws.hpp"
 #include "tests/sim/effects/trial.hpp"
 #include "tests/support/repetitions.hpp"

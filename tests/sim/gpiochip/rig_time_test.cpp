@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "sim/gpiochip/levels.hpp"
-#include "sim/gpiochip/rig_clock.hpp"
+#include "sim/gpiochip/chip.hpp"
 #include "sim/gpiochip/system.hpp"
 #include "sim/gpiochip/time_keeper.hpp"
 
@@ -355,7 +355,7 @@ TEST(RigTime, TheRigSeesAChangeBeforeTheLoopGoesOn) {
   as_loop([&, this] {
     wait_for(*state, nullptr, 0, kMs);
     changed_at = now();
-    change_line(*state, 3, drive_edit(1), CauseCode::set, changed_at);
+    change_line(*state, 3, drive_edit(1), Cause::set, changed_at);
     next = now();
     ends = true;
     wait_for(*state, nullptr, 0, 10 * kMs);

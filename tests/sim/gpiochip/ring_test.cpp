@@ -18,7 +18,7 @@ TEST_GROUP(LevelRing) {
   }
 
   bool set(std::uint32_t line, unsigned value, std::int64_t time_ns) {
-    return change_line(*state, line, drive_edit(value), CauseCode::set, time_ns);
+    return change_line(*state, line, drive_edit(value), Cause::set, time_ns);
   }
 
   /// Entries since the last call.
@@ -59,9 +59,9 @@ TEST(LevelRing, DoesNotRecordALevelThatStays) {
 }
 
 TEST(LevelRing, RecordsWhatLettingGoOfALineChanges) {
-  change_line(*state, 2, outside_edit(1), CauseCode::drive, 10);
+  change_line(*state, 2, outside_edit(1), Cause::drive, 10);
   set(2, 0, 20);
-  CHECK_TRUE(change_line(*state, 2, float_edit(), CauseCode::release, 30));
+  CHECK_TRUE(change_line(*state, 2, float_edit(), Cause::release, 30));
   const std::vector<std::uint64_t> found = entries();
   CHECK_EQUAL(3, found.size());
   CHECK_EQUAL(entry(2, 1, 30) | std::uint64_t{2} << RingWord::kCauseShift, found[2]);
@@ -69,9 +69,9 @@ TEST(LevelRing, RecordsWhatLettingGoOfALineChanges) {
 
 TEST(LevelRing, KeepsTheOutsideLevelOfAnOutputUntilItIsLetGo) {
   set(2, 0, 20);
-  CHECK_FALSE(change_line(*state, 2, outside_edit(1), CauseCode::drive, 25));
+  CHECK_FALSE(change_line(*state, 2, outside_edit(1), Cause::drive, 25));
   LONGS_EQUAL(0, level_of(*state, 2));
-  CHECK_TRUE(change_line(*state, 2, float_edit(), CauseCode::release, 30));
+  CHECK_TRUE(change_line(*state, 2, float_edit(), Cause::release, 30));
   LONGS_EQUAL(1, level_of(*state, 2));
 }
 

@@ -1,4 +1,4 @@
-#include "sim/gpiochip/thread_states.hpp"
+#include "sim/gpiochip/time_keeper.hpp"
 
 #include <signal.h>
 #include <sys/syscall.h>

@@ -1,11 +1,11 @@
 // The rig's camera, which writes what the exposure store's exposures show.
 #include "sim/live/tethered_camera.hpp"
-#include "sim/loading/parse_scene.hpp"
+#include "sim/loading/load_scene.hpp"
 
 #include <set>
 #include <string>
 
-#include "sim/photograph/optics.hpp"
+#include "sim/photograph/appearance.hpp"
 #include "sim/shoot/shoot.hpp"
 #include "tests/support/pictures.hpp"
 #include "tests/support/process.hpp"

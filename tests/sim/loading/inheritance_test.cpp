@@ -2,7 +2,7 @@
 #include <map>
 #include <string>
 
-#include "sim/loading/parse_scene.hpp"
+#include "sim/loading/load_scene.hpp"
 
 #include "tests/support/string_from.hpp"
 

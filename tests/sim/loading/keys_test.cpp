@@ -1,7 +1,7 @@
 #include <cmath>
 #include <string>
 
-#include "sim/loading/parse_scene.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/motion/contact_path.hpp"
 #include "sim/scene/spring.hpp"
 

@@ -1,4 +1,4 @@
-#include "sim/loading/parse_scene.hpp"
+#include "sim/loading/load_scene.hpp"
 
 #include <string>
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/loading/parse_scene.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/motion/ball_path.hpp"
 #include "sim/rig/truth.hpp"
 

@@ -1,10 +1,10 @@
-#include "sim/photograph/board_view.hpp"
+#include "sim/photograph/board.hpp"
 
 #include <cmath>
 #include <string>
 
-#include "sim/loading/scene_files.hpp"
-#include "sim/photograph/optics.hpp"
+#include "sim/loading/load_scene.hpp"
+#include "sim/photograph/appearance.hpp"
 
 #include <CppUTest/TestHarness.h>
 

@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "sim/loading/parse_scene.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/photograph/render.hpp"
 #include "sim/shoot/shoot.hpp"
 

@@ -1,4 +1,4 @@
-#include "sim/photograph/photograph_file.hpp"
+#include "sim/photograph/render.hpp"
 
 #include <sys/inotify.h>
 #include <unistd.h>

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <string>
 
-#include "sim/loading/parse_scene.hpp"
-#include "sim/photograph/optics.hpp"
+#include "sim/loading/load_scene.hpp"
+#include "sim/photograph/appearance.hpp"
 #include "sim/photograph/render.hpp"
 #include "sim/rig/camera.hpp"
 #include "sim/shoot/shoot.hpp"

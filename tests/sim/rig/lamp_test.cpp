@@ -1,4 +1,4 @@
-#include "sim/rig/lamp.hpp"
+#include "sim/rig/exposure.hpp"
 
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
 

@@ -9,7 +9,7 @@
 #include <iterator>
 
 #include "common/reduction/reduce.hpp"
-#include "sim/loading/parse_scene.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/rig/tablet.hpp"
 #include "sim/rig/truth.hpp"
 #include "tests/sim/rig/virtual_rig_fixture.hpp"

@@ -1,9 +1,8 @@
-#include "sim/rig/slant.hpp"
+#include "sim/rig/camera.hpp"
 
 #include <cmath>
 #include <numbers>
 
-#include "sim/rig/camera.hpp"
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
 
 #include <CppUTest/TestHarness.h>

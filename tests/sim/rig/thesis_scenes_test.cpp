@@ -11,7 +11,7 @@
 
 #include "common/data/thesis_data.hpp"
 #include "sim/fit/fit.hpp"
-#include "sim/loading/parse_scene.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/rig/tablet.hpp"
 #include "sim/rig/truth.hpp"
 #include "tests/sim/rig/virtual_rig_fixture.hpp"

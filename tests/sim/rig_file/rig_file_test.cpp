@@ -11,8 +11,8 @@
 #include "firmware/core/rig_file.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/photographs/digitize_settings.hpp"
-#include "sim/loading/scene_files.hpp"
-#include "sim/photograph/optics.hpp"
+#include "sim/loading/load_scene.hpp"
+#include "sim/photograph/appearance.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include "tests/support/string_from.hpp"

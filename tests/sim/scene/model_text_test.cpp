@@ -1,4 +1,4 @@
-#include "sim/scene/model_text.hpp"
+#include "sim/scene/model.hpp"
 
 #include "tests/support/string_from.hpp"
 

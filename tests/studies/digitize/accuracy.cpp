@@ -8,7 +8,7 @@
 #include <map>
 
 #include "host/digitize/overlay/overlay.hpp"
-#include "sim/loading/scene_files.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "tests/studies/digitize/hough.hpp"
 #include "tests/studies/digitize/in_order.hpp"
 #include "tests/studies/digitize/photographs.hpp"

@@ -14,7 +14,7 @@
 #include "host/commands/terminal.hpp"
 #include "host/loop/host_loop.hpp"
 #include "host/photographs/open_pipeline.hpp"
-#include "sim/loading/scene_files.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "tests/studies/digitize/photographs.hpp"
 #include "tests/studies/digitize/shot_message.hpp"
 #include "tests/studies/digitize/studies.hpp"

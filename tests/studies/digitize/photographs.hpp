@@ -10,7 +10,7 @@
 #include "common/result.hpp"
 #include "host/digitize/digitize.hpp"
 #include "host/digitize/image/photograph.hpp"
-#include "sim/photograph/photograph_truth.hpp"
+#include "sim/photograph/lit_balls.hpp"
 #include "sim/scene/scene.hpp"
 #include "sim/shoot/shoot.hpp"
 #include "tests/studies/digitize/independent_render.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "sim/loading/scene_files.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "tests/benchmarks/command.hpp"
 #include "tests/studies/series/study.hpp"
 

@@ -11,7 +11,7 @@
 #include "common/statistics/distributions.hpp"
 #include "host/series/compare.hpp"
 #include "host/session/rejection.hpp"
-#include "sim/motion/shot_conditions.hpp"
+#include "sim/motion/ball_path.hpp"
 #include "sim/shoot/shoot.hpp"
 #include "tests/studies/in_parallel.hpp"
 

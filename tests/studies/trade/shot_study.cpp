@@ -9,7 +9,7 @@
 #if STROBE_WITH_EFFECTS
 
 #include "sim/effects/choice.hpp"
-#include "sim/loading/scene_files.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/shoot/shoot.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
 #include "tests/studies/trade/tally.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/flight/gravity.hpp"
-#include "sim/loading/parse_scene.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/shoot/shoot.hpp"
 
 #include "tests/support/string_from.hpp"

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "sim/loading/parse_scene.hpp"
-#include "sim/photograph/board_view.hpp"
+#include "sim/loading/load_scene.hpp"
+#include "sim/photograph/board.hpp"
 
 #include "tests/support/string_from.hpp"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/loading/parse_scene.hpp"
+#include "sim/loading/load_scene.hpp"
 #include "sim/photograph/render.hpp"
 #include "sim/shoot/shoot.hpp"
 

@@ -1,10 +1,12 @@
-// Scenes from TOML text. Allocates; no I/O but what a resolver does.
+// Scenes from TOML text, by name, or from files. parse_scene() does no I/O but what a resolver does, the others read files.
+// For program start: allocates.
 #pragma once
 
 #include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/result.hpp"
 #include "sim/scene/scene.hpp"
@@ -31,5 +33,22 @@ inline constexpr std::size_t kMaxAncestors = 16;
 /// The error reads "FILE:LINE: table.key: what is wrong", FILE being that in which the key stands.
 Result<Scene> parse_scene(std::string_view text, const std::string& file_name,
                           const SceneResolver& resolve = {});
+
+/// A scene of the scenes' folder by its name (zero_23), or any file (with a slash or ending in .toml) by its
+/// path.
+Result<Scene> load_scene(const std::string& name_or_path);
+
+/// The scene that `from_file` inherits from: by a path relative to its folder, or by name from that folder or
+/// from the scenes' folder.
+Result<SceneText> resolve_scene(const std::string& name, const std::string& from_file);
+
+/// A file of the scenes' folder: its scene, or the error in it.
+struct SceneFile {
+  std::string name;
+  Result<Scene> scene;
+};
+
+/// By the name's first word and then by name. Fails if the folder cannot be read.
+Result<std::vector<SceneFile>> shipped_scene_files();
 
 }  // namespace strobe::sim
