@@ -154,35 +154,15 @@ void add_board(CLI::App& app, BoardOptions& o) {
       ->expected(4)
       ->check(CLI::Range(-1.0, 1.0))
       ->capture_default_str();
-  board->add_option("--lens-aside-px", o.lens_aside_px, "Its centre from the photograph's, right and down")
-      ->expected(2)
-      ->check(CLI::Range(-1000.0, 1000.0))
-      ->capture_default_str();
   board->add_option("--distance-m", o.distance_m, "Lens to the board's middle")
       ->check(CLI::Range(0.01, 1000.0))
-      ->capture_default_str();
-  board->add_option("--aside-mm", o.aside_mm, "The board's middle from the optical axis, right and down")
-      ->expected(2)
-      ->check(CLI::Range(-1e5, 1e5))
-      ->capture_default_str();
-  board->add_option("--turn-deg", o.turns_deg, "The board about x, y and in its plane")
-      ->expected(3)
-      ->check(CLI::Range(-80.0, 80.0))
       ->capture_default_str();
   board->add_option("--slanted", o.slanted, "More photographs, with the board slanted by 25 degrees")
       ->check(CLI::Range(0, 20))
       ->capture_default_str();
-  board->add_option("--blur-px", o.blur_px, "Sd of the lens' blur")
-      ->check(CLI::Range(0.0, 20.0))
-      ->capture_default_str();
-  board->add_option("--noise", o.noise, "Sd of a pixel, as a share of white")
-      ->check(CLI::Range(0.0, 0.5))
-      ->capture_default_str();
-  board->add_option("--bits", o.bits, "Of a pixel")->check(CLI::IsMember({8, 16}))->capture_default_str();
   board->add_option("--seed", o.seed, "Seed of the noise")->capture_default_str();
   strobe::command_line::for_experts(
-      *board, {"--width-px", "--height-px", "--focal-px", "--lens", "--lens-aside-px", "--distance-m",
-               "--aside-mm", "--turn-deg", "--blur-px", "--noise", "--bits", "--seed"});
+      *board, {"--width-px", "--height-px", "--focal-px", "--lens", "--distance-m", "--seed"});
   board->add_flag("--json", o.json, "Print the lines of truth instead of the files' names");
 }
 

@@ -23,22 +23,13 @@ BoardView view_by_options(const BoardOptions& options) {
   camera.height_px = options.height_px;
   camera.focal_px = options.focal_px;
   std::copy(options.lens.begin(), options.lens.end(), camera.lens.begin());
-  camera.lens_aside_px = {options.lens_aside_px[0], options.lens_aside_px[1]};
   view.place.distance_m = options.distance_m;
   return view;
 }
 
 Result<BoardView> view_of(const BoardOptions& options) {
-  BoardView view = view_by_options(options);
-  if (!options.scene.empty()) {
-    const auto scene = load_scene(options.scene);
-    if (!scene) return tl::unexpected(scene.error());
-    view = board_view(*scene);
-  }
-  view.camera.blur_px = options.blur_px;
-  view.camera.noise = options.noise;
-  view.camera.bits = options.bits;
-  return view;
+  if (options.scene.empty()) return view_by_options(options);
+  return load_scene(options.scene).map([](const Scene& scene) { return board_view(scene); });
 }
 
 Board board_of(const BoardOptions& options) {
@@ -48,18 +39,13 @@ Board board_of(const BoardOptions& options) {
   return {print, options.columns, options.rows, options.spacing_mm * 1e-3};
 }
 
-/// The board as stated, then slanted about the four directions that calibrations ask for.
-BoardPlace place_of(const BoardOptions& options, BoardPlace place, int index) {
-  if (index > 0) {
-    constexpr double kSlant_deg = 25.0;
-    constexpr std::array<std::array<double, 2>, 4> kSlants{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-    const auto& slant = kSlants[static_cast<std::size_t>(index - 1) % kSlants.size()];
-    for (std::size_t i = 0; i < 3; ++i) place.turns_deg[i] += i < 2 ? kSlant_deg * slant[i] : 5.0 * index;
-    return place;
-  }
-  place.aside_m[0] += options.aside_mm[0] * 1e-3;
-  place.aside_m[1] += options.aside_mm[1] * 1e-3;
-  for (std::size_t i = 0; i < 3; ++i) place.turns_deg[i] += options.turns_deg[i];
+/// The board square to the lens, then slanted about the four directions that calibrations ask for.
+BoardPlace slanted(BoardPlace place, int index) {
+  if (index == 0) return place;
+  constexpr double kSlant_deg = 25.0;
+  constexpr std::array<std::array<double, 2>, 4> kSlants{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+  const auto& slant = kSlants[static_cast<std::size_t>(index - 1) % kSlants.size()];
+  for (std::size_t i = 0; i < 3; ++i) place.turns_deg[i] += i < 2 ? kSlant_deg * slant[i] : 5.0 * index;
   return place;
 }
 
@@ -76,7 +62,7 @@ int board_command(const BoardOptions& options) {
   const Board board = board_of(options);
   for (int i = 0; i <= options.slanted; ++i) {
     const std::string name = i == 0 ? "plane.tif" : fmt::format("slanted_{}.tif", i);
-    const BoardPlace place = place_of(options, view->place, i);
+    const BoardPlace place = slanted(view->place, i);
     const auto seed = options.seed + static_cast<std::uint64_t>(i);
     const BoardPhotograph photograph = photograph_board(view->camera, board, place, seed);
     if (const auto written =

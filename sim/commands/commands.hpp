@@ -100,14 +100,8 @@ struct BoardOptions {
   int width_px = 2592, height_px = 2048;
   double focal_px = 5200.0;
   std::vector<double> lens{0.0, 0.0, 0.0, 0.0};
-  std::vector<double> lens_aside_px{0.0, 0.0};
   double distance_m = 1.0;
-  std::vector<double> aside_mm{0.0, 0.0};
-  std::vector<double> turns_deg{0.0, 0.0, 0.0};
   int slanted = 0;
-  double blur_px = 0.8;
-  double noise = 0.01;
-  int bits = 16;
   std::uint64_t seed = 1;
   bool json = false;
 };

@@ -6,8 +6,10 @@
 #include <string.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <utility>
 
 #include "sim/gpiochip/folder.hpp"
@@ -124,6 +126,7 @@ Change unpack(const gpio::State& state, std::uint64_t word) {
   change.line = static_cast<std::uint32_t>(word >> RingWord::kLineShift) & (gpio::kMaxLines - 1);
   change.level = static_cast<std::uint8_t>(word & RingWord::kLevel);
   change.cause = static_cast<Cause>((word >> RingWord::kCauseShift) & 3);
+  assert(change.line < state.line_count);
   return change;
 }
 

@@ -60,10 +60,9 @@ int clock_gettime(clockid_t clock, struct timespec* time) {
   return native != nullptr ? native(clock, time) : static_cast<int>(call(SYS_clock_gettime, clock, time));
 }
 
-int open_at(int folder, const char* path, int flags, unsigned mode) {
-  return static_cast<int>(call(SYS_openat, folder, path, flags, mode));
+int open(const char* path, int flags, unsigned mode) {
+  return static_cast<int>(call(SYS_openat, AT_FDCWD, path, flags, mode));
 }
-int open(const char* path, int flags, unsigned mode) { return open_at(AT_FDCWD, path, flags, mode); }
 int close(int fd) { return static_cast<int>(call(SYS_close, fd)); }
 long read(int fd, void* data, std::size_t size) { return call(SYS_read, fd, data, size); }
 long write(int fd, const void* data, std::size_t size) { return call(SYS_write, fd, data, size); }

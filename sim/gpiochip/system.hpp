@@ -14,7 +14,6 @@
 namespace strobe::sim::gpio::sys {
 
 int open(const char* path, int flags, unsigned mode = 0);
-int open_at(int folder, const char* path, int flags, unsigned mode = 0);
 int close(int fd);
 long read(int fd, void* data, std::size_t size);
 long write(int fd, const void* data, std::size_t size);

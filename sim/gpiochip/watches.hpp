@@ -7,6 +7,7 @@
 #pragma once
 
 #include <linux/gpio.h>
+
 #include <cstdint>
 
 #include "sim/gpiochip/state.hpp"

@@ -5,6 +5,7 @@
 
 #include <stdlib.h>
 #include <unistd.h>
+
 #include <filesystem>
 #include <functional>
 #include <string>

@@ -1,6 +1,7 @@
 #include "sim/photograph/render.hpp"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>

@@ -1,6 +1,7 @@
 #include "sim/shoot/shoot.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "sim/motion/ball_path.hpp"
@@ -145,7 +146,9 @@ void Shooter::fill_frame(SimulatedShot& shot) const {
 }
 
 SimulatedShot Shooter::shoot(int shot) {
+  assert(shot >= 1);
   play(shot);
+  assert(!exposures_.empty());  // the shutter was opened and closed
   SimulatedShot result;
   result.exposure = std::move(exposures_.back());
   fill_frame(result);

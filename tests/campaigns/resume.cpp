@@ -11,7 +11,7 @@
 #include "host/archive/read_session.hpp"
 #include "tests/campaigns/series_lab.hpp"
 #include "tests/hil/raw_host.hpp"
-#include "tests/hil/short_shots.hpp"
+#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
 
 namespace strobe::resume {

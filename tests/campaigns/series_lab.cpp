@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "tests/hil/line_watcher.hpp"
+#include "tests/hil/line_changes.hpp"
 
 namespace strobe::campaigns {
 

@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/expect_ready.hpp"
-#include "tests/hil/line_watcher.hpp"
+#include "firmware/core/rig_file.hpp"
+#include "sim/gpiochip/chip.hpp"
+#include "tests/hil/line_changes.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/private_network.hpp"
@@ -13,6 +14,7 @@
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
+using namespace strobe::testing;
 using namespace std::chrono_literals;
 
 namespace {
@@ -27,7 +29,7 @@ RigFixtureOptions chip_with_nobody_on_it(const std::string& chip = "") {
 
 /// What --check says of the bias of key and e-stop, once the chip is there.
 std::string biases_of_waiting(const RigFixture& bench) {
-  const auto finished = strobe::testing::run_process(
+  const auto finished = run_process(
       bench.strobed({"--check", "--allow-no-rt", "--config", bench.rig_file(), "--lcm-url", bench.lcm_url()}),
       20s);
   std::string found;
@@ -42,22 +44,43 @@ std::string biases_of(RigFixture& bench) {
   return biases_of_waiting(bench);
 }
 
+/// Of the kernel's drivers, by label.
+const std::map<std::string, std::size_t> kLinesOfChip{
+    {"pinctrl-bcm2835", 54}, {"pinctrl-bcm2711", 58}, {"pinctrl-rp1", 54}, {"cp2112_gpio", 8}};
+
+strobe::sim::Chip chip_of(const std::filesystem::path& folder, const std::string& label) {
+  strobe::sim::ChipSpec spec;
+  spec.name = "gpiochip11";
+  spec.label = label;
+  spec.lines.resize(kLinesOfChip.at(label));
+  auto chip = strobe::sim::Chip::create(folder, spec);
+  CHECK_TEXT(chip.has_value(), chip ? "" : chip.error().message.c_str());
+  return std::move(*chip);
+}
+
+std::string checked(const std::filesystem::path& rig, const std::filesystem::path& chip) {
+  Command command;
+  command.arguments = {program("strobed"), "--check", "--allow-no-rt", "--config", rig};
+  command.environment = strobe::hil::environment_of_chip(chip);
+  return run_process(command, 20s).out;
+}
+
 }  // namespace
 
 TEST_GROUP(Check) {
-  strobe::testing::TemporaryFolder folder;
+  TemporaryFolder folder;
   RigFixture bench{chip_with_nobody_on_it()};
 
   void setup() override { CHECK(bench.sim().wait_for_err("strobe-sim: scene", 20s)); }
-  strobe::testing::CompletedProcess check(const std::vector<std::string>& more) const {
+  CompletedProcess check(const std::vector<std::string>& more) const {
     return check(bench, more);
   }
-  static strobe::testing::CompletedProcess check(const RigFixture& bench,
+  static CompletedProcess check(const RigFixture& bench,
                                                  const std::vector<std::string>& more) {
     std::vector<std::string> words{"--check",        "--allow-no-rt", "--config",
                                    bench.rig_file(), "--lcm-url",     bench.lcm_url()};
     words.insert(words.end(), more.begin(), more.end());
-    return strobe::testing::run_process(bench.strobed(words), 20s);
+    return run_process(bench.strobed(words), 20s);
   }
 };
 
@@ -107,8 +130,7 @@ TEST(CheckBias, StartsOnAChipThatRefusesWithAWarningButNotAgainstTheFile) {
   RigFixtureOptions options;
   options.scene_addition = "[chip]\nbias = \"refused\"\n";
   {
-    RigFixture bench{options};
-    expect_ready(bench);
+    ReadyRig bench{options};
     STRCMP_CONTAINS("strobed: warning: ", bench.log().c_str());
     STRCMP_CONTAINS("lines.estop: the chip cannot set bias = \"pull_down\"", bench.log().c_str());
   }
@@ -124,7 +146,7 @@ TEST(Check, FindsEveryItemOfABenchThatIsReady) {
   const auto finished = check({"--json", "--session", folder / "session"});
   LONGS_EQUAL(0, finished.status ? finished.status->code : -1);
   std::map<std::string, nlohmann::json> items;
-  for (const nlohmann::json& item : strobe::testing::parse_json_lines(finished.out)) {
+  for (const nlohmann::json& item : parse_json_lines(finished.out)) {
     CHECK_FALSE(items.contains(item["item"]));
     CHECK_TEXT(item["ok"] || item["tolerated"], item.dump().c_str());
     items[item["item"]] = item;
@@ -144,4 +166,105 @@ TEST(Check, NamesWhatIsMissingAndFails) {
   LONGS_EQUAL(1, finished.status ? finished.status->code : -1);
   CHECK(finished.out.find("session          no --session given") != std::string::npos);
   CHECK(finished.out.find("chip.name        ok") != std::string::npos);
+}
+
+// The rig files of boards, each checked on a simulated chip with that board's label and lines.
+
+TEST_GROUP(Boards) { TemporaryFolder folder; };
+
+TEST(Boards, FindTheirChipAndEveryLineOfTheirRigFile) {
+  for (const auto& entry : std::filesystem::directory_iterator(share("boards"))) {
+    const auto rig = strobe::firmware::read_rig(read_text(entry.path()), entry.path());
+    CHECK_TEXT(rig.has_value(), rig ? "" : rig.error().message.c_str());
+    const strobe::sim::Chip chip = chip_of(folder / "chip", rig->chip);
+    const std::string out = checked(entry.path(), chip.dir());
+    STRCMP_CONTAINS("chip.name        ok: /dev/gpiochip11", out.c_str());
+    for (std::size_t i = 1; i < strobe::firmware::kLineCount; ++i) {
+      const auto which = static_cast<strobe::firmware::Line>(i);
+      if (!rig->line(which).fitted) continue;
+      std::string item = std::string("lines.") + strobe::firmware::line_key(which);
+      item.resize(17, ' ');
+      CHECK_TEXT(out.find(item + "ok") != std::string::npos, out.c_str());
+    }
+    CHECK_TEXT(out.find("lines.estop.bias ok: pull_down") != std::string::npos ||
+                   out.find("lines.estop.bias advice: pull_down") != std::string::npos,
+               out.c_str());
+  }
+}
+
+TEST(Boards, AreToldApart) {
+  const strobe::sim::Chip chip = chip_of(folder / "chip", "pinctrl-bcm2711");
+  const std::string out = checked(share("boards") / "raspberry-pi-5.toml", chip.dir());
+  STRCMP_CONTAINS("there is no chip \"pinctrl-rp1\"; there are ", out.c_str());
+  STRCMP_CONTAINS("/dev/gpiochip11 (pinctrl-bcm2711)", out.c_str());
+}
+
+TEST_GROUP(Install) {
+  TemporaryFolder folder;
+  const std::filesystem::path first = folder / "first";
+  const std::filesystem::path moved = folder / "moved here";
+
+  void setup() override {
+    const auto installed = ran({{STROBE_CMAKE, "--install", STROBE_BUILD_DIR, "--prefix", first}, {}, {}, {}});
+    std::filesystem::rename(first, moved);
+  }
+
+  std::filesystem::path bin(const std::string& name) const { return moved / "bin" / name; }
+};
+
+TEST(Install, HasProgramsLibraryMessagesUnitRigScenesAndData) {
+  for (const char* file : {"bin/strobed", "bin/strobe", "bin/strobe-sim", "share/strobe/rig.toml",
+                           "share/strobe/boards/raspberry-pi-5.toml", "share/strobe/scenes/zero_23.toml",
+                           "share/strobe/scenes/back_68.toml", "share/strobe/thesis/tables_02_to_10.csv",
+                           "share/strobe/thesis/contact/zero_23.csv", "share/strobe/lcm/event_t.lcm",
+                           "share/strobe/lcm/sealed_command_t.lcm", "lib/sysusers.d/strobe.conf",
+                           "lib/udev/rules.d/60-strobe.rules", "share/polkit-1/rules.d/60-strobe.rules"})
+    CHECK_TEXT(std::filesystem::exists(moved / file), file);
+  bool library = false, unit = false;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(moved)) {
+    library = library || entry.path().filename() == "libstrobe-gpiochip.so";
+    unit = unit || entry.path().filename() == "strobed.service";
+  }
+  CHECK_TEXT(library, "no libstrobe-gpiochip.so");
+  CHECK_TEXT(unit, "no strobed.service");
+}
+
+TEST(Install, NamesTheFolderThatItInstallsToInTheUnit) {
+  std::string unit;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(moved))
+    if (entry.path().filename() == "strobed.service") unit = read_text(entry.path());
+  const std::string program = (first / "bin/strobed").string();
+  for (const char* key : {"ExecStart=", "ExecStopPost=", "ExecStartPre=-+"})
+    CHECK_TEXT(unit.find("\n" + std::string(key) + program + " ") != std::string::npos, unit.c_str());
+  CHECK_TEXT(unit.find("/usr/local") == std::string::npos, unit.c_str());
+}
+
+TEST(Install, RunsFromWhereItWasMoved) {
+  const auto scenes = run_process({{bin("strobe-sim"), "scenes"}, {}, {}, {}}, 10s);
+  CHECK_TEXT(scenes.status == ExitStatus({0, 0}), scenes.err.c_str());
+  CHECK(scenes.out.find("zero_23") != std::string::npos);
+  const auto predicted =
+      ran({{bin("strobe"), "predict", "--vx", "15", "--vy", "-6", "--omega", "0", "--json"}, {}, {}, {}});
+}
+
+TEST(Install, FiresAShotFromWhereItWasMoved) {
+  const std::string url = private_lcm_url();
+  const std::filesystem::path session = folder / "session";
+  std::filesystem::create_directory(session);
+  Process sim(
+      {{bin("strobe-sim"), "run", "--scene", "zero_23", "--seed", "3", "--lcm-url", url, "--", bin("strobed"),
+        "--config", moved / "share/strobe/rig.toml", "--session", session, "--lcm-url", url, "--allow-no-rt"},
+       {},
+       {},
+       {}},
+      folder.path());
+  CHECK_TEXT(sim.wait_for_err("strobed: ready", kLongestWait), sim.err().c_str());
+  const auto fired = run_process({{bin("strobe"), "fire", "--shots", "1", "--retries", "0", "--session",
+                                   session, "--lcm-url", url, "--json"},
+                                  {},
+                                  {},
+                                  {}},
+                                 60s);
+  CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
+  CHECK(!readouts(fired.out).empty());
 }

@@ -2,16 +2,15 @@
 #include <algorithm>
 #include <string>
 
-#include "tests/hil/expect_ready.hpp"
-#include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/hil/raw_host.hpp"
 #include "tests/support/json_lines.hpp"
 
 #include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;
+using namespace strobe::testing;
 using namespace std::chrono_literals;
-using strobe::testing::ExitStatus;
 using strobe_msgs::event_t;
 using strobe_msgs::shot_t;
 
@@ -49,13 +48,11 @@ TEST_GROUP(CodedTrain){};
 TEST(CodedTrain, IsFiredAsPlannedSeenByItsLampsAndReadOut) {
   RigFixtureOptions options;
   options.rig_edits = {{"#xsync = ", "xsync = "}};
-  RigFixture bench(options);
-  expect_ready(bench);
-  strobe::testing::write_text(bench.folder() / "plan.toml", kPlan);
+  ReadyRig bench(options);
+  write_text(bench.folder() / "plan.toml", kPlan);
   const std::string plan = bench.folder() / "plan.toml";
 
-  const auto fired = strobe::testing::run_process(bench.fire(1, 0, {"--plan", plan}), kLongestWait);
-  CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
+  const auto fired = ran(bench.fire(1, 0, {"--plan", plan}));
   const nlohmann::json readout = readouts(fired.out).back();
   CHECK_FALSE(readout.at("vx_td_mps").is_null());
   CHECK(readout.at("first_flash").get<int>() >= 0);
@@ -63,9 +60,7 @@ TEST(CodedTrain, IsFiredAsPlannedSeenByItsLampsAndReadOut) {
   CHECK(readout.at("last_flash").get<int>() < kFlashes);
   const double misassignment = readout.at("misassignment_probability").get<double>();
   CHECK_EQUAL(misassignment > 0.01, has_flag(readout, "flash_index_ambiguous"));
-  const auto dry =
-      strobe::testing::run_process(bench.fire(1, 0, {"--plan", plan, "--dry"}), kLongestWait);
-  CHECK_TEXT(dry.status == ExitStatus({0, 0}), dry.err.c_str());
+  const auto dry = ran(bench.fire(1, 0, {"--plan", plan, "--dry"}));
 
   const LogContents journal = read_log(bench.journal());
   const shot_t* shot = whole_shot(journal, false);
@@ -106,7 +101,7 @@ TEST(CodedTrain, IsFiredAsPlannedSeenByItsLampsAndReadOut) {
   // The simulated lamps flash 12 us (sd 1 us at the most) after their lines, which change within the call: so
   // much before its end as it takes at the longest that is used. Where every call but one was interrupted
   // there is none.
-  const auto report = strobe::testing::parse_json_lines(dry.out).back();
+  const auto report = parse_json_lines(dry.out).back();
   LONGS_EQUAL(kFlashes - 1, report.at("planned_a").get<int>());
   LONGS_EQUAL(kFlashes - 2, report.at("seen_by_b").get<int>());
   const double longest_call_us = 1.0 + 2.0 * shortest_call_us(*whole_shot(journal, true));

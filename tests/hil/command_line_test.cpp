@@ -6,16 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"
 
 #include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;
+using namespace strobe::testing;
 using namespace std::chrono_literals;
-using strobe::testing::Command;
-using strobe::testing::CompletedProcess;
 
 namespace {
 
@@ -29,7 +27,7 @@ struct Case {
 std::string complaints(const std::vector<Case>& cases) {
   std::string wrong;
   for (const Case& each : cases) {
-    const CompletedProcess finished = strobe::testing::run_process(each.command, 20s);
+    const CompletedProcess finished = run_process(each.command, 20s);
     const auto lines = std::count(finished.err.begin(), finished.err.end(), '\n');
     const int code = finished.status ? finished.status->code : -1;
     if (code == each.code && lines == 1 && finished.err.find(each.word) != std::string::npos) continue;
@@ -57,10 +55,10 @@ const char* const kFrame =
 }  // namespace
 
 TEST_GROUP(CommandLine) {
-  strobe::testing::TemporaryFolder folder;
+  TemporaryFolder folder;
 
   std::string file(const std::string& name, const std::string& text) const {
-    strobe::testing::write_text(folder / name, text);
+    write_text(folder / name, text);
     return folder / name;
   }
   /// A session whose run was asked for three shots.
@@ -74,14 +72,14 @@ TEST_GROUP(CommandLine) {
     return folder / "recorded";
   }
   std::string rig(const std::string& name, const std::string& from, const std::string& to) const {
-    return file(name, replaced(strobe::testing::read_text(share("rig.toml")), from, to));
+    return file(name, replaced(read_text(share("rig.toml")), from, to));
   }
 };
 
 TEST(CommandLine, EachProgramTellsItsVersion) {
   for (const char* name : {"strobed", "strobe", "strobe-sim"}) {
-    const auto told = strobe::testing::run_process({{program(name), "--version"}, {}, {}, {}}, 10s);
-    CHECK_TEXT(told.status == strobe::testing::ExitStatus({0, 0}), name);
+    const auto told = run_process({{program(name), "--version"}, {}, {}, {}}, 10s);
+    CHECK_TEXT(told.status == ExitStatus({0, 0}), name);
     CHECK_EQUAL(std::string(STROBE_VERSION "\n"), told.out);
   }
 }
@@ -189,8 +187,7 @@ TEST(CommandLine, KeysThatAreNotKeptWellAreNamed) {
 }
 
 TEST(CommandLine, LinesThatAnotherProgramHoldsAreNamed) {
-  RigFixture bench;
-  expect_ready(bench);
+  ReadyRig bench;
   const Command second = bench.strobed({"--config", bench.rig_file(), "--session", folder / "session",
                                         "--allow-no-rt", "--lcm-url", bench.lcm_url()});
   const Command safe = bench.strobed({"--safe", "--config", bench.rig_file()});
@@ -224,8 +221,7 @@ TEST(CommandLine, WrongFramesAreNamedWithTheirLine) {
           {"unknown format", with_strobe({"reduce", file("good.jsonl", good), "--format", "card"}), 2,
            "card"},
       }));
-  CHECK_EQUAL(strobe::testing::ExitStatus({0, 0}),
-              strobe::testing::run_process(reduce(file("good.jsonl", good)), 20s).status);
+  CHECK_EQUAL(ExitStatus({0, 0}), run_process(reduce(file("good.jsonl", good)), 20s).status);
 }
 
 TEST(CommandLine, LegacyFilesCutOrWithLettersAreNamedWithTheirLine) {
@@ -293,9 +289,9 @@ TEST(CommandLine, WrongOptionsOfStrobeAreNamed) {
 
 TEST(CommandLine, ASessionThatARunWritesIsOnlyReadByOthers) {
   const std::string session = folder / "session", again = rig("again.toml", "priority = 80", "priority = 79");
-  const std::string url = strobe::testing::private_lcm_url();
-  strobe::testing::Process first(
-      with_strobe({"fire", "--session", session, "--lcm-url", url, "--wait", "3600"}), folder.path());
+  const std::string url = private_lcm_url();
+  Process first(with_strobe({"fire", "--session", session, "--lcm-url", url, "--wait", "3600"}),
+                folder.path());
   CHECK(first.wait_for_err("session " + session, kLongestWait));
   const std::string whose = fmt::format("process {}, since 20", first.pid());
   CHECK_EQUAL(
@@ -311,14 +307,12 @@ TEST(CommandLine, ASessionThatARunWritesIsOnlyReadByOthers) {
           }));
   first.signal(SIGKILL);
   first.wait(kLongestWait);
-  const auto next = strobe::testing::run_process(
-      with_strobe({"fire", "--session", session, "--lcm-url", url, "--wait", "0.1"}), kLongestWait);
-  CHECK_TEXT(next.status == strobe::testing::ExitStatus({1, 0}), next.err.c_str());
+  const auto next = ran(with_strobe({"fire", "--session", session, "--lcm-url", url, "--wait", "0.1"}), 1);
   CHECK_FALSE(std::filesystem::exists(folder / "session" / "session.lock"));
 }
 
 TEST(CommandLine, ATableThatCannotBeReadIsNotTakenForAnEmptyOne) {
-  const std::string session = recorded_run(), url = strobe::testing::private_lcm_url();
+  const std::string session = recorded_run(), url = private_lcm_url();
   file("recorded/results.csv", "");
   std::filesystem::resize_file(folder / "recorded/results.csv", std::uintmax_t{1} << 40);
   const auto fire = [&](std::vector<std::string> more) {
@@ -331,10 +325,10 @@ TEST(CommandLine, ATableThatCannotBeReadIsNotTakenForAnEmptyOne) {
 }
 
 TEST(CommandLine, FiringWithoutAStrobedEndsWithAClearMessage) {
-  const std::string url = strobe::testing::private_lcm_url();
-  const CompletedProcess finished = strobe::testing::run_process(
+  const std::string url = private_lcm_url();
+  const CompletedProcess finished = run_process(
       with_strobe({"fire", "--shots", "1", "--session", folder / "session", "--lcm-url", url, "--wait", "1"}),
       30s);
-  CHECK_TEXT(finished.status == strobe::testing::ExitStatus({1, 0}), finished.err.c_str());
-  CHECK_TEXT(finished.err.find("strobed") != std::string::npos, finished.err.c_str());
+  CHECK_TEXT(finished.status == ExitStatus({1, 0}), finished.err.c_str());
+  STRCMP_CONTAINS("strobed", finished.err.c_str());
 }

@@ -11,20 +11,19 @@
 #include <vector>
 
 #include "tests/benchmarks/timing/freeze_detector.hpp"
-#include "tests/hil/expect_ready.hpp"
-#include "tests/hil/line_watcher.hpp"
-#include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/hil/line_changes.hpp"
+#include "tests/hil/raw_host.hpp"
 #include "tests/support/fake_service_manager.hpp"
 #include "tests/support/skip.hpp"
 
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
+using namespace strobe::testing;
 using namespace std::chrono_literals;
 using strobe::benchmarks::timing::Freeze;
 using strobe::benchmarks::timing::FreezeDetector;
-using strobe::testing::monotonic_now_ns;
 
 namespace {
 
@@ -84,8 +83,7 @@ std::int64_t kill_both(const RigFixture& bench, LineWatcher&) {
 /// Seen from outside: the worker is a zombie or gone.
 std::int64_t dies(const RigFixture& bench, LineWatcher&) {
   const pid_t worker = bench.worker();
-  CHECK(
-      strobe::testing::wait_until([&] { return strobe::testing::program_of(worker).empty(); }, kLongestWait));
+  CHECK(wait_until([&] { return program_of(worker).empty(); }, kLongestWait));
   return monotonic_now_ns();
 }
 std::int64_t hangs(const RigFixture&, LineWatcher&) { return monotonic_now_ns(); }
@@ -220,8 +218,8 @@ struct Trial {
 /// The worker may outlive its guardian, and the simulator with it, for as long as its last words take.
 void wait_for_the_end(Trial& trial) {
   trial.bench->changes();
-  const auto gone = [&trial] { return strobe::testing::program_of(trial.worker).empty(); };
-  CHECK_TEXT(strobe::testing::wait_until(gone, kLongestWait), trial.way->name);
+  const auto gone = [&trial] { return program_of(trial.worker).empty(); };
+  CHECK_TEXT(wait_until(gone, kLongestWait), trial.way->name);
 }
 
 struct Lateness {
@@ -261,11 +259,10 @@ class StandingGuardian {
     kill(guardian_, SIGSTOP);
   }
   void expect_that_the_worker_stopped() {
-    CHECK(strobe::testing::wait_until([&] { return strobe::testing::program_of(worker_).empty(); },
-                                      kLongestWait));
+    CHECK(wait_until([&] { return program_of(worker_).empty(); }, kLongestWait));
     kill(guardian_, SIGCONT);
     bench_.changes();
-    CHECK_TEXT(bench_.log().find("stopped: the guardian hangs") != std::string::npos, bench_.log().c_str());
+    STRCMP_CONTAINS("stopped: the guardian hangs", bench_.log().c_str());
     expect_whole_journal(bench_, "guardian hangs");
   }
 
@@ -294,32 +291,28 @@ TEST(Death, LeavesTheOutputsInactiveHoweverItComes) {
   }
   standing.expect_that_the_worker_stopped();
   if (sum.late > kUnseen && sum.frozen)
-    return strobe::testing::skip("the machine stood still too often to judge a millisecond by");
+    return skip("the machine stood still too often to judge a millisecond by");
   CHECK_TEXT(sum.late <= kUnseen, std::to_string(sum.late).c_str());
 }
 
 TEST(Death, FollowsTheLossOfTheChipThoughNothingIsFired) {
-  RigFixture bench;
-  expect_ready(bench);
+  ReadyRig bench;
   const pid_t worker = bench.worker();
   LineWatcher(bench.chip_dir()).unplug();
-  CHECK(
-      strobe::testing::wait_until([&] { return strobe::testing::program_of(worker).empty(); }, kLongestWait));
+  CHECK(wait_until([&] { return program_of(worker).empty(); }, kLongestWait));
   bench.changes();
-  CHECK_TEXT(bench.log().find("stopped: an output could not be switched off") != std::string::npos,
-             bench.log().c_str());
+  STRCMP_CONTAINS("stopped: an output could not be switched off", bench.log().c_str());
   expect_whole_journal(bench, "no chip");
 }
 
 TEST(Death, OfAPublisherThatHangsIsOrderlyAndTheServiceManagerHearsOfIt) {
-  strobe::testing::TemporaryFolder folder;
-  strobe::testing::FakeServiceManager manager((folder / "notify").string());
+  TemporaryFolder folder;
+  FakeServiceManager manager((folder / "notify").string());
   RigFixtureOptions options;
   options.environment = {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "2000000"}};
   options.strobed_options = {"--drill", "publisher-hang@1"};
-  RigFixture bench(options);
-  expect_ready(bench);
-  CHECK(strobe::testing::wait_until([&] { return manager.count("READY=1") == 1; }, kLongestWait));
+  ReadyRig bench(options);
+  CHECK(wait_until([&] { return manager.count("READY=1") == 1; }, kLongestWait));
   RawHost host(bench);
   do_in_mid_train(bench, host, {"publisher hangs", Chip::keeps, hangs, ""});
   const LineChanges changes = bench.changes();
@@ -331,17 +324,16 @@ TEST(Death, OfAPublisherThatHangsIsOrderlyAndTheServiceManagerHearsOfIt) {
 }
 
 TEST(Death, DoesNotBefallAWorkerThatStandsStillWhileNoShotIsUnderWay) {
-  strobe::testing::TemporaryFolder folder;
-  strobe::testing::FakeServiceManager manager((folder / "notify").string());
+  TemporaryFolder folder;
+  FakeServiceManager manager((folder / "notify").string());
   RigFixtureOptions options;
   options.environment = {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "2000000"}};
   options.sim_options = kRealTime;  // rig time waits for a loop that stands still
-  RigFixture bench(options);
-  expect_ready(bench);
+  ReadyRig bench(options);
   RawHost host(bench);
   CHECK(host.wait_status());
   const auto hears = [&manager](const char* words) {
-    return strobe::testing::wait_until([&] { return manager.count(words) > 0; }, kLongestWait);
+    return wait_until([&] { return manager.count(words) > 0; }, kLongestWait);
   };
   CHECK(hears("READY=1"));
   kill(bench.worker(), SIGSTOP);
@@ -351,7 +343,7 @@ TEST(Death, DoesNotBefallAWorkerThatStandsStillWhileNoShotIsUnderWay) {
   LONGS_EQUAL(beats, manager.count("WATCHDOG=1"));
   kill(bench.worker(), SIGCONT);
   CHECK_TEXT(hears("STATUS=ready"), bench.log().c_str());
-  CHECK(strobe::testing::wait_until([&] { return manager.count("WATCHDOG=1") > beats; }, kLongestWait));
+  CHECK(wait_until([&] { return manager.count("WATCHDOG=1") > beats; }, kLongestWait));
   bench.finish();
   for (const char* said :
        {"the loop stands still, no shot is under way: waiting for it", "the loop turns again after"})
@@ -369,12 +361,11 @@ TEST(Death, OfNobodyIsTheEndOfStandardErrorOrOfTheNetwork) {
   LineWatcher watch(bench.chip_dir());
   const auto shot_of = [&host](std::int64_t token) { return host.fire_command(token, false); };
   CHECK(host.fire_until_flash(watch, shot_of, kFlashAttempts) != 0);
-  const strobe::testing::Command no_route{{"ip", "route", "del", "224.0.0.0/4", "dev", "lo"}, {}, {}, {}};
-  const strobe::testing::Command route{{"ip", "route", "add", "224.0.0.0/4", "dev", "lo"}, {}, {}, {}};
-  const bool cut =
-      strobe::testing::run_process(no_route, kLongestWait).status == strobe::testing::ExitStatus({0, 0});
+  const Command no_route{{"ip", "route", "del", "224.0.0.0/4", "dev", "lo"}, {}, {}, {}};
+  const Command route{{"ip", "route", "add", "224.0.0.0/4", "dev", "lo"}, {}, {}, {}};
+  const bool cut = run_process(no_route, kLongestWait).status == ExitStatus({0, 0});
   const bool closed = watch.wait_for("SHUTTER", 0, kLongestWait) != 0;
-  if (cut) strobe::testing::run_process(route, kLongestWait);  // the next tests need it, too
+  if (cut) run_process(route, kLongestWait);  // the next tests need it, too
   CHECK(closed);
   CHECK(host.wait([&] { return host.status().state == strobe_msgs::status_t::SPENT; }, kLongestWait));
   const std::int32_t shot = host.status().last_shot_id;

@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "tests/benchmarks/timing/freeze_detector.hpp"
-#include "tests/hil/expect_ready.hpp"
-#include "tests/hil/line_watcher.hpp"
-#include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/hil/line_changes.hpp"
+#include "tests/hil/raw_host.hpp"
 #include "tests/support/skip.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -123,8 +122,7 @@ Session press_in_all_situations() {
   RigFixtureOptions options;
   options.sim_options = {"--time", "real"};
   options.rig_edits = {{"lag_ms = 310", "lag_ms = 70"}};  // shots that begin soon; nobody looks at the ball
-  RigFixture bench(options);
-  expect_ready(bench);
+  ReadyRig bench(options);
   RawHost host(bench);
   CHECK(host.wait_status());
   strobe::benchmarks::timing::FreezeDetector detector(kDetectorPriority);

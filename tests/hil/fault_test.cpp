@@ -2,17 +2,23 @@
 // wait without end.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "tests/hil/expect_ready.hpp"
-#include "tests/hil/line_watcher.hpp"
+#include "tests/hil/line_changes.hpp"
+#include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/truth_score.hpp"
-
 #include "tests/support/string_from.hpp"
 
+#include <CppUTest/TestHarness.h>
+
 using namespace strobe::hil;
+using namespace strobe::testing;
+using Faults = std::vector<std::pair<std::string, std::string>>;  ///< their kinds, and what else is to say
 
 namespace {
 
@@ -25,8 +31,6 @@ std::string fault(const std::string& kind, int shot, const std::string& more = "
   return fmt::format("[[fault]]\nkind = \"{}\"\nshot = {}\n{}\n", kind, shot, more);
 }
 
-using Faults = std::vector<std::pair<std::string, std::string>>;  ///< their kinds, and what else is to say
-
 /// One exposure for each of the faults: what was read of it beside what was true.
 std::vector<Shot> fire_with(const Faults& faults) {
   RigFixtureOptions options;
@@ -34,13 +38,12 @@ std::vector<Shot> fire_with(const Faults& faults) {
   options.rig_edits = kShortExposure;  // the faults lie within three flashes of the impact
   options.seed = 7;
   options.sim_options = kFastTime;
-  RigFixture bench(options);
-  expect_ready(bench);
+  ReadyRig bench(options);
   std::vector<nlohmann::json> answers;
   std::string said;
   for (std::size_t i = 0; i < faults.size();
        ++i) {  // a series would end with the first shot that does not count
-    const auto fired = strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
+    const auto fired = run_process(bench.fire(1, 0), kLongestWait);
     for (const auto& readout : readouts(fired.out)) answers.push_back(readout);
     said += fired.err;
   }
@@ -72,6 +75,45 @@ void expect_flag(const std::vector<Shot>& shots, const std::string& flag) {
 
 std::string at(int flash_from_impact, const std::string& more = "lamp = \"both\"") {
   return fmt::format("flash_from_impact = {}\n{}", flash_from_impact, more);
+}
+
+constexpr int kKernelBuffer = 1024;  // of all inputs with libgpiod 2; 16 a line with 1.6
+constexpr int kFlood = kKernelBuffer + 100;
+constexpr int kOthers =
+    10;  // edges of the rig's own sensors meanwhile, at most: the flashes are 100 ms apart
+
+/// Time enough between two flashes to be stopped, flooded and woken.
+RigFixtureOptions slow_train() {
+  RigFixtureOptions options;
+  options.rig_edits = {{"period_us = 3000", "period_us = 100000"},
+                       {"shutter_open_ms = 500", "shutter_open_ms = 1500"},
+                       {"impact_at_ms = 250", "impact_at_ms = 700"}};
+  return options;
+}
+
+/// A process is stopped by its first thread, which on a busy machine comes late to it; the others go on until then.
+bool stands_still(pid_t pid) {
+  const std::filesystem::directory_iterator threads("/proc/" + std::to_string(pid) + "/task");
+  return std::all_of(begin(threads), end(threads), [](const auto& thread) {
+    const std::string stat = read_text(thread.path() / "stat");
+    return stat.find(") T ") != std::string::npos;
+  });
+}
+
+/// Stops whoever reads edges just after the third flash, and makes it miss some. False: the shot ended before.
+bool flood_in_mid_train(const RigFixture& bench, Process& fire) {
+  LineWatcher watch(bench.chip_dir());
+  for (int flash = 0; flash < 3; ++flash)
+    if (watch.wait_for("STROBE_A", 1, fire) == 0) return false;
+  const pid_t reader = bench.worker();
+  watch.hold_time();  // a reader that is stopped for too long makes its next flash late
+  kill(reader, SIGSTOP);
+  CHECK(wait_until([&] { return stands_still(reader); }, kLongestWait));
+  for (int i = 0; i < kFlood; ++i)
+    for (const int level : {1, 0}) watch.drive("SENSOR_A", level);
+  kill(reader, SIGCONT);
+  watch.release_time();
+  return true;
 }
 
 }  // namespace
@@ -114,14 +156,13 @@ TEST(Fault, APhotographThatNeverComesIsSaidWhenTheFilesPatienceIsOver) {
   RigFixtureOptions options;
   options.scene_addition = fault("no_photograph", 0);
   options.rig_edits = {{"photograph_timeout_s = 5", "photograph_timeout_s = 1"}};
-  RigFixture bench(options);
-  expect_ready(bench);
+  ReadyRig bench(options);
   LineWatcher watch(bench.chip_dir());
-  strobe::testing::Process fire = bench.start(bench.fire(1, 0));
+  Process fire = bench.start(bench.fire(1, 0));
   const std::int64_t closed = watch.wait_for("SHUTTER", 0, fire);
   CHECK(fire.wait_for_out("vx_td_mps", kLongestWait));
-  const std::int64_t took = strobe::testing::monotonic_now_ns() - closed;
-  CHECK_EQUAL(strobe::testing::ExitStatus({1, 0}), fire.wait(kLongestWait));
+  const std::int64_t took = monotonic_now_ns() - closed;
+  CHECK_EQUAL(ExitStatus({1, 0}), fire.wait(kLongestWait));
   const std::vector<nlohmann::json> answers = readouts(fire.out());
   LONGS_EQUAL(1, answers.size());
   CHECK(has_no_rebound(answers[0]));
@@ -147,4 +188,26 @@ TEST(Fault, AnImageThatWasOverlookedMakesNoNumberWrong) {
                                     {"image_unseen", at(-1, "")},
                                     {"image_unseen", at(1, "")},
                                     {"image_unseen", at(2, "")}}));
+}
+
+// Edges that the kernel had no room for are told by the shot in which they were lost, and by no other.
+
+TEST_GROUP(LostEdges){};
+
+TEST(LostEdges, AreToldByTheShotWhoseReaderStoodStill) {
+  ReadyRig bench(slow_train());
+  Process fire = bench.start(bench.fire(1, 0));
+  CHECK_TEXT(flood_in_mid_train(bench, fire), bench.log().c_str());
+  CHECK(fire.wait(kLongestWait).has_value());
+  const auto flooded = readouts(fire.out()).at(0);
+  CHECK_TEXT(has_flag(flooded, "events_missing"), flooded.dump().c_str());
+  const auto next = run_process(bench.fire(1, 0), kLongestWait);
+  CHECK_TEXT(!has_flag(readouts(next.out).at(0), "events_missing"), next.out.c_str());
+  const auto shots = read_log(bench.journal()).shots;
+  LONGS_EQUAL(2, shots.size());
+  // 1.6 tells that a buffer was full, 2 counts what is missing.
+  const std::int64_t lost = shots[0].kernel_overflows;
+  CHECK_TEXT(lost == 1 || (lost >= kFlood - kKernelBuffer && lost <= kFlood - kKernelBuffer + kOthers),
+             std::to_string(lost).c_str());
+  LONGS_EQUAL(0, shots[1].kernel_overflows);
 }

@@ -4,17 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/expect_ready.hpp"
-#include "tests/hil/line_watcher.hpp"
-#include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/hil/line_changes.hpp"
+#include "tests/hil/raw_host.hpp"
 
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
+using namespace strobe::testing;
 using namespace std::chrono_literals;
-using strobe::testing::ExitStatus;
-using strobe::testing::monotonic_now_ns;
 
 namespace {
 
@@ -75,14 +73,11 @@ const std::vector<std::pair<std::string, std::string>> kWires{
 TEST_GROUP(Interlock){};
 
 TEST(Interlock, FiresTheMachineOnceAShotWhenAllIsWellAndElseRefusesInWords) {
-  RigFixture bench;
-  expect_ready(bench);
-  const auto fired = strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
-  CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
+  ReadyRig bench;
+  const auto fired = ran(bench.fire(1, 0));
   const std::size_t live = shots_fired(bench);
   const std::int64_t dry_from = monotonic_now_ns();
-  const auto dry = strobe::testing::run_process(bench.fire(1, 0, {"--dry"}), kLongestWait);
-  CHECK_TEXT(dry.status == ExitStatus({0, 0}), dry.err.c_str());
+  const auto dry = ran(bench.fire(1, 0, {"--dry"}));
   const std::size_t all = shots_fired(bench);
   std::vector<Span> refusals;
   for (const auto& [line, word] : {std::pair{"KEY", "key"}, std::pair{"ESTOP", "stop"}}) {
@@ -106,8 +101,7 @@ TEST(Interlock, FiresTheMachineOnceAShotWhenAllIsWellAndElseRefusesInWords) {
 TEST(Interlock, FiresNoShotWithoutItsTokenNorTwice) {
   RigFixtureOptions options;
   options.rig_edits = {{"expires_s = 30", "expires_s = 1"}};
-  RigFixture bench(options);
-  expect_ready(bench);
+  ReadyRig bench(options);
   RawHost host(bench);
   CHECK(host.wait_status());
   // Nothing of all this may fire.
@@ -143,8 +137,7 @@ TEST(Interlock, FiresNoShotWithoutItsTokenNorTwice) {
 }
 
 TEST(Interlock, FiresNothingThatWasLongerThanASecondOnItsWay) {
-  RigFixture bench;
-  expect_ready(bench);
+  ReadyRig bench;
   RawHost host(bench);
   CHECK(host.wait_status());
   const std::int64_t token = host.arm();
@@ -163,8 +156,7 @@ TEST(Interlock, FiresNothingThatWasLongerThanASecondOnItsWay) {
 }
 
 TEST(Interlock, StopsAShotByKeyEStopAndDisarm) {
-  RigFixture bench;
-  expect_ready(bench);
+  ReadyRig bench;
   RawHost host(bench);
   CHECK(host.wait_status());
   std::vector<Span> stopped;
@@ -182,8 +174,7 @@ TEST(Interlock, StopsAShotByKeyEStopAndDisarm) {
 }
 
 TEST(Interlock, StopsAShotWhenAWireBreaks) {
-  RigFixture bench(lines_that_pull_up());
-  expect_ready(bench);
+  ReadyRig bench(lines_that_pull_up());
   RawHost host(bench);
   CHECK(host.wait_status());
   std::vector<Span> stopped;
@@ -199,8 +190,7 @@ TEST(Interlock, StopsAShotWhenAWireBreaks) {
 }
 
 TEST(Interlock, EndsAnArmingWhenAWireBreaks) {
-  RigFixture bench(lines_that_pull_up());
-  expect_ready(bench);
+  ReadyRig bench(lines_that_pull_up());
   RawHost host(bench);
   CHECK(host.wait_status());
   for (const auto& [line, words] : kWires) {
@@ -223,8 +213,7 @@ TEST(Interlock, IsNotArmedWithAWireThatWasBrokenAtTheStart) {
     RigFixtureOptions options = lines_that_pull_up();
     options.shell = "'" + program("strobe-sim").string() + "' drive --chip-dir \"$STROBE_GPIOCHIP_DIR\" " +
                     line + "=open && exec \"$@\"";
-    RigFixture bench(options);
-    expect_ready(bench);
+    ReadyRig bench(options);
     const auto tried = bench.refused(bench.fire(1, 0), words);
     CHECK_TEXT(tried.status == ExitStatus({1, 0}), tried.err.c_str());
     STRCMP_CONTAINS(words.c_str(), tried.err.c_str());

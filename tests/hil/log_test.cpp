@@ -6,18 +6,14 @@
 #include <set>
 #include <string>
 
-#include "tests/hil/expect_ready.hpp"
-#include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
-#include "tests/hil/short_shots.hpp"
+#include "tests/hil/raw_host.hpp"
 
 #include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;
+using namespace strobe::testing;
 using namespace std::chrono_literals;
-using strobe::testing::Command;
-using strobe::testing::ExitStatus;
-using strobe::testing::Process;
 
 namespace {
 
@@ -58,7 +54,7 @@ std::string measured(const std::string& out, const std::set<int>& shots) {
 
 /// Waits until a recorder has written something: it hears the bench.
 bool hears(const std::filesystem::path& log) {
-  return strobe::testing::wait_until(
+  return wait_until(
       [&] {
         std::error_code error;
         return std::filesystem::file_size(log, error) > 0 && !error;
@@ -68,7 +64,7 @@ bool hears(const std::filesystem::path& log) {
 
 /// Messages of a kind that a recorder has written so far.
 std::size_t recorded(const std::filesystem::path& log, const std::string& kind) {
-  const std::string bytes = strobe::testing::read_text(log);
+  const std::string bytes = read_text(log);
   std::size_t count = 0;
   for (std::size_t at = bytes.find(kind); at != std::string::npos; at = bytes.find(kind, at + 1)) ++count;
   return count;
@@ -78,11 +74,10 @@ std::size_t recorded(const std::filesystem::path& log, const std::string& kind) 
 std::string record_session(RigFixture& bench, int shots, const std::filesystem::path& log) {
   Process recorder = bench.start(logger(bench, log));
   CHECK(hears(log));  // the firmware's heartbeat
-  const auto fired = strobe::testing::run_process(bench.fire(shots, 0), kLongestWait);
-  CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
+  const auto fired = ran(bench.fire(shots, 0));
   const std::size_t sent = readouts(fired.out).size();
   // What its queue has dropped it never writes.
-  strobe::testing::wait_until([&] { return recorded(log, "/READOUT") >= sent; }, 3s);
+  wait_until([&] { return recorded(log, "/READOUT") >= sent; }, 3s);
   recorder.signal(SIGINT);
   recorder.wait(5s);
   return fired.out;
@@ -93,45 +88,36 @@ std::string record_session(RigFixture& bench, int shots, const std::filesystem::
 TEST_GROUP(Log){};
 
 TEST(Log, RecordedAndPlayedBackShowsTheSameNumbers) {
-  RigFixture bench(short_shots());
-  expect_ready(bench);
+  ReadyRig bench(short_shots());
   const std::string fired = record_session(bench, 2, bench.folder() / "recorded.lcmlog");
   bench.finish();
   const std::set<int> whole = whole_shots(bench.folder() / "recorded.lcmlog");
   const std::string expected = measured(fired, whole);
   CHECK(!expected.empty());
-  const auto replayed = strobe::testing::run_process(
-      bench.strobe({"replay", bench.folder() / "recorded.lcmlog", "--json"}), kLongestWait);
-  CHECK_TEXT(replayed.status == ExitStatus({0, 0}), replayed.err.c_str());
+  const auto replayed = ran(bench.strobe({"replay", bench.folder() / "recorded.lcmlog", "--json"}));
   CHECK_EQUAL(expected, measured(replayed.out, whole));
 
   Process live = bench.start(bench.strobe({"live", "--json"}));
   CHECK(live.wait_for_err("listening to rig", kLongestWait));
-  const auto played =
-      strobe::testing::run_process(player(bench.lcm_url(), bench.folder() / "recorded.lcmlog"), kLongestWait);
-  CHECK_EQUAL(ExitStatus({0, 0}), played.status);
-  strobe::testing::wait_until([&] { return measured(live.out(), whole).size() >= expected.size(); }, 20s);
+  const auto played = ran(player(bench.lcm_url(), bench.folder() / "recorded.lcmlog"));
+  wait_until([&] { return measured(live.out(), whole).size() >= expected.size(); }, 20s);
   live.signal(SIGINT);
   CHECK(live.wait(10s).has_value());
   CHECK_EQUAL(expected, measured(live.out(), whole));
 }
 
 TEST(Log, OfTheSessionsFolderIsRecomputedToTheSameBytes) {
-  RigFixture bench(short_shots());
-  expect_ready(bench);
-  const auto fired = strobe::testing::run_process(bench.fire(2, 0), kLongestWait);
-  CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
+  ReadyRig bench(short_shots());
+  const auto fired = ran(bench.fire(2, 0));
   bench.finish();
   const std::filesystem::path log = host_log(bench.session());
   CHECK(!log.empty());
-  const auto replayed = strobe::testing::run_process(bench.strobe({"replay", log, "--json"}), kLongestWait);
-  CHECK_EQUAL(ExitStatus({0, 0}), replayed.status);
+  const auto replayed = ran(bench.strobe({"replay", log, "--json"}));
   CHECK_EQUAL(readout_lines(fired.out), readout_lines(replayed.out));
 }
 
 TEST(Log, WithCommandsInItNeverFiresARigAgain) {
-  RigFixture first(short_shots());
-  expect_ready(first);
+  ReadyRig first(short_shots());
   const std::filesystem::path log = first.folder() / "recorded.lcmlog";
   record_session(first, 1, log);
   CHECK(read_log(log).commands >= 2);
@@ -140,37 +126,33 @@ TEST(Log, WithCommandsInItNeverFiresARigAgain) {
   RawHost host(first);
   CHECK(host.wait_status());
   CHECK(host.arm() != 0);
-  const std::int64_t before = strobe::testing::monotonic_now_ns();
-  strobe::testing::run_process(player(first.lcm_url(), log), kLongestWait);
+  const std::int64_t before = monotonic_now_ns();
+  run_process(player(first.lcm_url(), log), kLongestWait);
   host.listen(1s);
   const LineChanges changes = first.finish();
   for (const std::string& output : kOutputs) LONGS_EQUAL(0, changes.rises(output, before));
 
   // Another daemon, another boot, armed as well.
-  RigFixture second(short_shots());
-  expect_ready(second);
+  ReadyRig second(short_shots());
   RawHost other(second);
   CHECK(other.wait_status());
   CHECK(other.arm() != 0);
-  strobe::testing::run_process(player(second.lcm_url(), log), kLongestWait);
+  run_process(player(second.lcm_url(), log), kLongestWait);
   other.listen(1s);
   const LineChanges untouched = second.finish();
   for (const std::string& output : kOutputs) LONGS_EQUAL(0, untouched.rises(output));
 }
 
 TEST(Log, OfAListenerThatJoinsLateHoldsTheShotsBeforeItAndThoseToCome) {
-  RigFixture bench(short_shots());
-  expect_ready(bench);
-  const auto before = strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
-  CHECK_TEXT(before.status == ExitStatus({0, 0}), before.err.c_str());
+  ReadyRig bench(short_shots());
+  const auto before = ran(bench.fire(1, 0));
   Process live = bench.start(bench.strobe({"live", "--json"}));
   // The journal is asked for what was; whoever measured its photographs sends them again.
   const std::size_t past = readouts(before.out).size();
-  CHECK(strobe::testing::wait_until([&] { return readouts(live.out()).size() >= past; }, 8s));
-  const auto fired = strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
-  CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
+  CHECK(wait_until([&] { return readouts(live.out()).size() >= past; }, 8s));
+  const auto fired = ran(bench.fire(1, 0));
   const std::vector<nlohmann::json> expected = readouts(fired.out);
-  strobe::testing::wait_until([&] { return readouts(live.out()).size() >= past + expected.size(); }, 8s);
+  wait_until([&] { return readouts(live.out()).size() >= past + expected.size(); }, 8s);
   live.signal(SIGINT);
   CHECK(live.wait(10s).has_value());
   CHECK_EQUAL(readout_lines(before.out) + readout_lines(fired.out), readout_lines(live.out()));

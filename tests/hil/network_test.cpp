@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <string>
 
-#include "tests/hil/expect_ready.hpp"
-#include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/hil/raw_host.hpp"
 #include "tests/support/fake_service_manager.hpp"
 #include "tests/support/private_network.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -15,6 +14,7 @@
 
 using namespace strobe;
 using namespace strobe::hil;
+using namespace strobe::testing;
 using namespace std::chrono_literals;
 using strobe_msgs::command_t;
 using strobe_msgs::event_t;
@@ -22,8 +22,8 @@ using strobe_msgs::event_t;
 namespace {
 
 void ip(const std::string& words) {
-  const auto done = strobe::testing::run_process({{"sh", "-c", "ip " + words}, {}, {}, {}}, 60s);
-  CHECK_TEXT(done.status == strobe::testing::ExitStatus({0, 0}), (words + ": " + done.err).c_str());
+  const auto done = run_process({{"sh", "-c", "ip " + words}, {}, {}, {}}, 60s);
+  CHECK_TEXT(done.status == ExitStatus({0, 0}), (words + ": " + done.err).c_str());
 }
 
 bool journalled(const RigFixture& bench, std::int8_t kind) {
@@ -65,8 +65,7 @@ static bool obeyed(const RigFixture& bench, RawHost& host, std::int8_t command, 
 TEST(Network, CommandsAreHeardAfterTheInterfaceWasMadeAnew) {
   RigFixtureOptions options;
   options.sim_options = {"--no-digitizer"};  // nobody else in this machine joins the group again
-  RigFixture bench(options);
-  expect_ready(bench);
+  ReadyRig bench(options);
   RawHost host(bench);
   CHECK(host.wait_status());
   make_anew();
@@ -78,26 +77,22 @@ TEST(Network, CommandsAreHeardAfterTheInterfaceWasMadeAnew) {
 TEST(Network, ASeriesGoesOnAfterTheInterfaceWasMadeAnew) {
   RigFixtureOptions options;
   options.rig_edits = kShortExposure;
-  RigFixture bench(options);
-  expect_ready(bench);
+  ReadyRig bench(options);
   auto fire = bench.start(bench.fire(2, 0));
   CHECK_TEXT(fire.wait_for_out("vx_td_mps", kLongestWait), fire.err().c_str());
   make_anew();
-  CHECK_TEXT(fire.wait(kLongestWait) == strobe::testing::ExitStatus({0, 0}), fire.err().c_str());
+  CHECK_TEXT(fire.wait(kLongestWait) == ExitStatus({0, 0}), fire.err().c_str());
 }
 
 TEST_GROUP(TwoRigs){};
 
 TEST(TwoRigs, OfOneNameAreToldByBootAndAddressAndNoneIsArmed) {
-  RigFixture bench;
-  expect_ready(bench);
+  ReadyRig bench;
   RigFixtureOptions options;
   options.lcm_url = bench.lcm_url();
-  RigFixture other(options);
-  expect_ready(other);
+  ReadyRig other(options);
   auto command = bench.fire(1, 0, {"--wait", "12"});
-  const auto fired = strobe::testing::run_process(command, kLongestWait);
-  CHECK_TEXT(fired.status == strobe::testing::ExitStatus({1, 0}), fired.err.c_str());
+  const auto fired = ran(command, 1);
   STRCMP_CONTAINS("2 rigs have the name bench: boot ", fired.err.c_str());
   for (RigFixture* rig : {&bench, &other}) {
     const std::string journal = rig->journal().stem().string();
@@ -109,14 +104,13 @@ TEST(TwoRigs, OfOneNameAreToldByBootAndAddressAndNoneIsArmed) {
 }
 
 TEST(Network, TheServiceManagerIsToldWhenAHostWasLastHeard) {
-  strobe::testing::TemporaryFolder folder;
-  strobe::testing::FakeServiceManager manager((folder / "notify").string());
+  TemporaryFolder folder;
+  FakeServiceManager manager((folder / "notify").string());
   RigFixtureOptions options;
   options.environment = {{"NOTIFY_SOCKET", manager.path()}};
-  RigFixture bench(options);
-  expect_ready(bench);
+  ReadyRig bench(options);
   const auto hears = [&manager](const char* words) {
-    return strobe::testing::wait_until([&] { return manager.count(words) > 0; }, kLongestWait);
+    return wait_until([&] { return manager.count(words) > 0; }, kLongestWait);
   };
   CHECK(hears("STATUS=ready, no host heard yet"));
   CHECK_EQUAL(0, manager.count("STATUS=ready, a host heard"));

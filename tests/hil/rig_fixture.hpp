@@ -14,6 +14,8 @@
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
 
+#include <CppUTest/TestHarness.h>
+
 namespace strobe::hil {
 
 /// For what must come: only a failure waits so long, however busy the machine.
@@ -112,5 +114,49 @@ std::vector<nlohmann::json> readouts(const std::string& out);
 std::string readout_lines(const std::string& out);
 
 bool has_flag(const nlohmann::json& readout, const std::string& flag);
+
+// The first check of most tests on a bench.
+
+inline void expect_ready(RigFixture& bench) {
+  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+}
+
+/// One whose strobed has come up.
+struct ReadyRig : RigFixture {
+  explicit ReadyRig(const RigFixtureOptions& options = {}) : RigFixture(options) { expect_ready(*this); }
+};
+
+/// A command run to its end, which must come with this exit status.
+inline testing::CompletedProcess ran(const testing::Command& command, int code = 0) {
+  auto done = testing::run_process(command, kLongestWait);
+  CHECK_TEXT(done.status == testing::ExitStatus({code, 0}), (done.out + done.err).c_str());
+  return done;
+}
+
+// Rigs whose shots are soon over, and what a host leaves of them.
+
+inline RigFixtureOptions short_shots() {
+  RigFixtureOptions options;
+  options.rig_edits = kShortExposure;
+  return options;
+}
+
+/// With photographs written into a folder, of a ball of 98 px: quick to render and to measure.
+inline RigFixtureOptions with_small_photographs(RigFixtureOptions options,
+                                                const std::filesystem::path& folder) {
+  options.scene_addition = "[camera]\npx_per_m = 1500\norigin_x_px = 600\norigin_y_px = 150\n";
+  options.rig_edits.emplace_back("photograph_timeout_s = 5", "photograph_timeout_s = 60");
+  options.rig_edits.emplace_back("\npx_per_m = 4000.0", "\npx_per_m = 1500\npx_per_m_sd = 0.5");
+  options.sim_options = {"--photographs", folder};
+  return options;
+}
+
+/// The host's log in a session's folder; empty if there is none.
+inline std::filesystem::path host_log(const std::filesystem::path& session) {
+  for (const auto& entry : std::filesystem::directory_iterator(session))
+    if (entry.path().filename().string().starts_with("host-") && entry.path().extension() == ".lcmlog")
+      return entry.path();
+  return {};
+}
 
 }  // namespace strobe::hil

@@ -1,19 +1,23 @@
 // A stop ends what began before it, and nothing that returns starts anything: the shipped programs on a simulated rig.
 #include <signal.h>
+#include <unistd.h>
 
+#include <csignal>
+#include <filesystem>
+#include <initializer_list>
+#include <sstream>
 #include <string>
 #include <vector>
 
-#include "tests/hil/expect_ready.hpp"
-#include "tests/hil/line_watcher.hpp"
+#include "tests/hil/line_changes.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
 
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
+using namespace strobe::testing;
 using namespace std::chrono_literals;
-using strobe::testing::ExitStatus;
 
 namespace {
 
@@ -27,13 +31,65 @@ void expect_said(const std::string& said, const std::string& words) {
 
 void expect_no_trigger(LineWatcher& watch) { CHECK_EQUAL(0, watch.wait_for("TRIGGER", 1, kNothingStarts)); }
 
+std::uint64_t bits(std::initializer_list<int> signals) {
+  std::uint64_t set = 0;
+  for (const int signal : signals) set |= std::uint64_t{1} << (signal - 1);
+  return set;
+}
+
+/// A set of signals as proc(5) shows it in a thread's status.
+std::uint64_t signal_set(const std::string& status, const std::string& name) {
+  const std::size_t at = status.find(name + ":\t");
+  CHECK_TEXT(at != std::string::npos, name.c_str());
+  return std::stoull(status.substr(at + name.size() + 2), nullptr, 16);
+}
+
+/// The status of a thread that leaves other signals to their default than these; empty if none does. Not of a
+/// worker's first: sigwait(3) takes those that it waits for out of its mask.
+std::string other_defaults(pid_t pid, std::uint64_t expected, bool first_waits) {
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
+    if (first_waits && thread.path().filename() == std::to_string(pid)) continue;
+    const std::string status = read_text(thread.path() / "status");
+    if (status.empty()) continue;  // it has ended
+    const std::uint64_t handled =
+        signal_set(status, "SigBlk") | signal_set(status, "SigIgn") | signal_set(status, "SigCgt");
+    if (~handled != expected) return status;
+  }
+  return "";
+}
+
+/// In the end: a thread that begins blocks all signals for a moment.
+void expect_left_to_default(pid_t pid, std::uint64_t expected, bool first_waits) {
+  std::string other;
+  wait_until(
+      [&] {
+        other = other_defaults(pid, expected, first_waits);
+        return other.empty();
+      },
+      10s);
+  CHECK_EQUAL("", other);
+}
+
+bool stands_still(pid_t pid) {
+  std::istringstream stat(read_text("/proc/" + std::to_string(pid) + "/stat"));
+  std::string number, program, state;
+  stat >> number >> program >> state;
+  return state == "T";
+}
+
+/// Rig time has a signal of its own for its waits.
+RigFixtureOptions in_the_machines_time() {
+  RigFixtureOptions options;
+  options.sim_options = {"--time", "real"};
+  return options;
+}
+
 }  // namespace
 
 TEST_GROUP(Stop){};
 
 TEST(Stop, AnEStopOrAKeyEndsASeriesAndItsReturnStartsNothing) {
-  RigFixture bench;
-  expect_ready(bench);
+  ReadyRig bench;
   const std::string host = bench.folder() / "host";
   for (const auto& [line, words] : {std::pair{"ESTOP", "the e-stop"}, std::pair{"KEY", "the key"}}) {
     LineWatcher watch(bench.chip_dir());
@@ -57,8 +113,7 @@ TEST(Stop, AnEStopOrAKeyEndsASeriesAndItsReturnStartsNothing) {
 }
 
 TEST(Stop, NothingBeginsWithTheEStopPressedNorWhenItIsReleasedThen) {
-  RigFixture bench;
-  expect_ready(bench);
+  ReadyRig bench;
   LineWatcher watch(bench.chip_dir());
   watch.drive("ESTOP", 0);
   RawHost host(bench);
@@ -71,8 +126,7 @@ TEST(Stop, NothingBeginsWithTheEStopPressedNorWhenItIsReleasedThen) {
 }
 
 TEST(Stop, ADisarmOfAHostThatDoesNotFireEndsAnothersSeries) {
-  RigFixture bench;
-  expect_ready(bench);
+  ReadyRig bench;
   LineWatcher watch(bench.chip_dir());
   auto fire = bench.start(bench.fire(9, 0));
   CHECK_TEXT(watch.wait_for("TRIGGER", 1, fire) != 0, fire.err().c_str());
@@ -86,8 +140,7 @@ TEST(Stop, ADisarmOfAHostThatDoesNotFireEndsAnothersSeries) {
 }
 
 TEST(Stop, ADisarmThatNobodyAnswersIsShownAsNotConfirmedAndGoneOnWith) {
-  RigFixture bench;
-  expect_ready(bench);
+  ReadyRig bench;
   LineWatcher watch(bench.chip_dir());
   auto fire = bench.start(bench.fire(9, 0));
   CHECK_TEXT(watch.wait_for("SHUTTER", 1, fire) != 0, fire.err().c_str());
@@ -102,4 +155,45 @@ TEST(Stop, ADisarmThatNobodyAnswersIsShownAsNotConfirmedAndGoneOnWith) {
   CHECK_EQUAL(ExitStatus({1, 0}), fire.wait(kLongestWait));
   LineWatcher after(bench.chip_dir());
   expect_no_trigger(after);
+}
+
+// What signals do to strobed: each one is a stop in good order, ignored, or the end of a worker that makes its outputs
+// inactive first, as the guardian then does again (tests of Death); and no terminal's signal reaches both processes.
+
+TEST_GROUP(Signals) {
+  RigFixture bench{in_the_machines_time()};
+  void setup() override { expect_ready(bench); }
+};
+
+TEST(Signals, ThatWouldEndAProcessAreTakenOrIgnoredByEveryThread) {
+  const std::uint64_t harmless = bits({SIGCHLD, SIGCONT, SIGURG, SIGWINCH});
+  const std::uint64_t beyond_reach = bits({SIGKILL, SIGSTOP});
+  expect_left_to_default(bench.guardian(), harmless | beyond_reach, false);
+  expect_left_to_default(bench.worker(), harmless | beyond_reach, true);
+}
+
+TEST(Signals, OfATerminalReachTheGuardianOnly) {
+  CHECK(getsid(bench.worker()) != getsid(bench.guardian()));
+  CHECK(getpgid(bench.worker()) != getpgid(bench.guardian()));
+}
+
+TEST_GROUP(JobControl){};
+
+TEST(JobControl, StopsNeitherProcessNorShot) {
+  ReadyRig bench;
+  RawHost host(bench);
+  CHECK(host.wait_status());
+  LineWatcher watch(bench.chip_dir());
+  const auto shot = [&host](std::int64_t token) { return host.fire_command(token, true); };
+  const std::int64_t flash_ns = host.fire_until_flash(watch, shot);
+  CHECK(flash_ns != 0);
+  for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU}) {
+    for (const pid_t pid : {bench.guardian(), bench.worker()}) {
+      kill(pid, signal);
+      CHECK(!stands_still(pid));
+    }
+  }
+  const auto closed = [&] { return !host.shots().empty() && host.shots().back().shutter_off_ns > flash_ns; };
+  CHECK_TEXT(host.wait(closed, kLongestWait), bench.log().c_str());
+  CHECK(bench.worker() != 0);
 }

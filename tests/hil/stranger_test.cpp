@@ -9,10 +9,8 @@
 #include "common/messages/channels.hpp"
 #include "firmware/publisher/command_feed.hpp"
 #include "host/messages/lcm_link.hpp"
-#include "tests/hil/expect_ready.hpp"
-#include "tests/hil/flooder.hpp"
-#include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/hil/raw_host.hpp"
 #include "tests/support/private_network.hpp"
 #include "tests/support/sealed_sender.hpp"
 #include "tests/support/skip.hpp"
@@ -21,6 +19,7 @@
 
 using namespace strobe;
 using namespace strobe::hil;
+using namespace strobe::testing;
 using namespace std::chrono_literals;
 using strobe::authentication::Key;
 using strobe_msgs::command_t;
@@ -43,7 +42,7 @@ std::int64_t rejected_by(const strobe_msgs::status_t& status) {
 
 /// Ends the bench: as many balls as the operator asked for, and one more for each shot that the firmware itself
 /// calls aborted (a machine that stands still does that) or whose readout is rejected for what truly happened.
-void check_balls(RigFixture& bench, strobe::testing::Process& fire, int asked) {
+void check_balls(RigFixture& bench, Process& fire, int asked) {
   const auto shots = read_log(bench.journal()).shots;
   const auto told = readouts(fire.out());
   LONGS_EQUAL(shots.size(), told.size());
@@ -65,8 +64,7 @@ void check_balls(RigFixture& bench, strobe::testing::Process& fire, int asked) {
 TEST_GROUP(Stranger){};
 
 TEST(Stranger, IsNeverExecutedAndShowsOnlyInTheCounts) {
-  RigFixture bench;
-  expect_ready(bench);
+  ReadyRig bench;
   RawHost host(bench);
   CHECK(host.wait_status());
   const command_t arm = host.command(command_t::ARM);
@@ -79,7 +77,7 @@ TEST(Stranger, IsNeverExecutedAndShowsOnlyInTheCounts) {
   command_t stale = arm;
   stale.boot_id ^= 1;
   const Bytes body = host.body(arm);
-  const std::int64_t start_ns = strobe::testing::monotonic_now_ns();
+  const std::int64_t start_ns = monotonic_now_ns();
   for (int i = 1; i <= kRounds; ++i) {
     host.send_bytes(host.sealed(arm, stranger));
     host.send_bytes(altered);
@@ -115,12 +113,12 @@ TEST(Stranger, IsNeverExecutedAndShowsOnlyInTheCounts) {
 
   const auto key = authentication::make_key_file(bench.folder() / "another.key").value();
   const auto fired = bench.refused(bench.fire(1, 0, {"--key-file", key.path}), "another key");
-  CHECK_TEXT(fired.status == strobe::testing::ExitStatus({1, 0}), fired.err.c_str());
-  CHECK_TEXT(fired.err.find("another key") != std::string::npos, fired.err.c_str());
+  CHECK_TEXT(fired.status == ExitStatus({1, 0}), fired.err.c_str());
+  STRCMP_CONTAINS("another key", fired.err.c_str());
   CHECK_TEXT(fired.err.find(key.key.fingerprint()) != std::string::npos, fired.err.c_str());
 
   // A line in ten seconds, however long all this took.
-  const std::int64_t took_s = (strobe::testing::monotonic_now_ns() - start_ns) / 1'000'000'000;
+  const std::int64_t took_s = (monotonic_now_ns() - start_ns) / 1'000'000'000;
   const auto lines = static_cast<std::int64_t>(count_of(bench.log(), "commands ignored"));
   CHECK_TEXT(lines >= 1 && lines <= 2 + took_s / 10, bench.log().c_str());
   LONGS_EQUAL(0, bench.finish().rises("TRIGGER"));
@@ -129,8 +127,7 @@ TEST(Stranger, IsNeverExecutedAndShowsOnlyInTheCounts) {
 TEST(Stranger, WhoForgesAbortedShotsHasNoneFiredAgain) {
   RigFixtureOptions options;
   options.rig_edits = kShortExposure;
-  RigFixture bench(options);
-  expect_ready(bench);
+  ReadyRig bench(options);
   RawHost ear(bench);
   CHECK(ear.wait_status());
   lcm::LCM lcm(bench.lcm_url());
@@ -138,7 +135,7 @@ TEST(Stranger, WhoForgesAbortedShotsHasNoneFiredAgain) {
   const auto send = [&](const Bytes& packet) {
     lcm.publish(channel, packet.data(), static_cast<unsigned>(packet.size()));
   };
-  strobe::testing::SealedSender stranger(Key::random()), lab(ear.key());
+  SealedSender stranger(Key::random()), lab(ear.key());
   auto fire = bench.start(bench.fire(2, 0));
   std::size_t heard = 0;
   int forged = 0;
@@ -167,7 +164,7 @@ TEST(Stranger, WhoForgesAbortedShotsHasNoneFiredAgain) {
     return fire.err().find("fired again; session in") != std::string::npos;
   };
   CHECK_TEXT(ear.wait(ended, kLongestWait), fire.err().c_str());
-  CHECK_TEXT(fire.wait(30s) == strobe::testing::ExitStatus({0, 0}), fire.err().c_str());
+  CHECK_TEXT(fire.wait(30s) == ExitStatus({0, 0}), fire.err().c_str());
   CHECK(forged >= 2);
   CHECK_TEXT(fire.err().find("a stranger says so") == std::string::npos, fire.err().c_str());
   STRCMP_CONTAINS("packets ignored that are not the lab's", fire.err().c_str());
@@ -179,10 +176,8 @@ TEST(Stranger, WhoPlaysALogBackWhileShotsAreFiredHasNoBallMoreThrown) {
   options.rig_edits = kShortExposure;
   std::vector<std::pair<std::string, Bytes>> packets;
   {
-    RigFixture yesterday(options);
-    expect_ready(yesterday);
-    const auto fired = strobe::testing::run_process(yesterday.fire(1, 0), kLongestWait);
-    CHECK_TEXT(fired.status == strobe::testing::ExitStatus({0, 0}), fired.err.c_str());
+    ReadyRig yesterday(options);
+    const auto fired = ran(yesterday.fire(1, 0));
     for (const auto& file : std::filesystem::directory_iterator(yesterday.session())) {
       if (!file.path().filename().string().starts_with("host-")) continue;
       lcm::LogFile log(file.path(), "r");
@@ -193,8 +188,7 @@ TEST(Stranger, WhoPlaysALogBackWhileShotsAreFiredHasNoBallMoreThrown) {
     }
   }
   CHECK(packets.size() > 50);
-  RigFixture bench(options);
-  expect_ready(bench);
+  ReadyRig bench(options);
   auto fire = bench.start(bench.fire(2, 0));
   std::atomic<int> rounds = 0;
   {
@@ -207,7 +201,7 @@ TEST(Stranger, WhoPlaysALogBackWhileShotsAreFiredHasNoBallMoreThrown) {
         std::this_thread::sleep_for(200us);
       }
     });
-    CHECK_TEXT(fire.wait(kLongestWait) == strobe::testing::ExitStatus({0, 0}), fire.err().c_str());
+    CHECK_TEXT(fire.wait(kLongestWait) == ExitStatus({0, 0}), fire.err().c_str());
   }
   CHECK(rounds >= 1);
   check_balls(bench, fire, 2);
@@ -219,8 +213,7 @@ TEST(Flood, OfTheBusDuringAShotCostsNoEvent) {
   RigFixtureOptions options;
   options.rig_edits = kShortExposure;
   options.sim_options = {"--time", "real"};  // rig time would wait for programs that a flood never lets sleep
-  RigFixture bench(options);
-  expect_ready(bench);
+  ReadyRig bench(options);
   RawHost host(bench);
   CHECK(host.wait_status());
   const command_t disarm = host.command(command_t::DISARM);
@@ -233,8 +226,8 @@ TEST(Flood, OfTheBusDuringAShotCostsNoEvent) {
     packets = flooder.stop();
     const auto ended = fire.wait(30s);
     if (count_of(fire.err(), " us late)") > std::size_t{kRetriesInRealTime})
-      return strobe::testing::skip("the machine made each of the shots late");
-    CHECK_TEXT(ended == strobe::testing::ExitStatus({0, 0}), fire.err().c_str());
+      return skip("the machine made each of the shots late");
+    CHECK_TEXT(ended == ExitStatus({0, 0}), fire.err().c_str());
     CHECK_TEXT(fire.err().find("still missing") == std::string::npos, fire.err().c_str());
   }
   CHECK(packets > 10'000);
@@ -245,7 +238,7 @@ TEST(Flood, OfTheBusDuringAShotCostsNoEvent) {
 }
 
 TEST_GROUP(CommandFeed) {
-  const std::string url = strobe::testing::private_lcm_url();
+  const std::string url = private_lcm_url();
   const std::string channel = messages::channel_name("bench", messages::Channel::command);
   lcm::LCM lcm{url};
   std::unique_ptr<firmware::CommandFeed> feed = std::move(firmware::CommandFeed::open(url, channel)).value();
@@ -318,7 +311,7 @@ TEST(CommandFeed, IsNotHarmedByDatagramsThatHarmLcm) {
 }
 
 TEST_GROUP(LcmLink) {
-  const std::string url = strobe::testing::private_lcm_url();
+  const std::string url = private_lcm_url();
   std::vector<std::pair<std::string, Bytes>> received;
   std::unique_ptr<host::LcmLink> link = host::LcmLink::open(url, "bench").value();
   lcm::LCM lcm{url};

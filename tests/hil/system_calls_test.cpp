@@ -11,17 +11,16 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/expect_ready.hpp"
-#include "tests/hil/line_watcher.hpp"
-#include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
+#include "tests/hil/line_changes.hpp"
+#include "tests/hil/raw_host.hpp"
 #include "tests/support/fake_service_manager.hpp"
 
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
+using namespace strobe::testing;
 using namespace std::chrono_literals;
-using strobe::testing::ExitStatus;
 
 namespace {
 
@@ -89,20 +88,20 @@ std::string tracing_all_but(Names allowed, const std::filesystem::path& to) {
 }  // namespace
 
 TEST_GROUP(SystemCalls) {
-  strobe::testing::TemporaryFolder folder;
+  TemporaryFolder folder;
   const std::filesystem::path traced = folder / "traced";
 
   /// Empty if they cannot be traced here; why is printed.
   std::string tracer() const {
-    const auto works = strobe::testing::run_process(
+    const auto works = run_process(
         {{"strace", "-f", "--seccomp-bpf", "-o", "/dev/null", "true"}, {}, {}, {}}, 20s);
     const auto listed =
-        strobe::testing::run_process({{"systemd-analyze", "--no-pager", "syscall-filter"}, {}, {}, {}}, 20s);
+        run_process({{"systemd-analyze", "--no-pager", "syscall-filter"}, {}, {}, {}}, 20s);
     if (works.status != ExitStatus({0, 0}) || listed.status != ExitStatus({0, 0})) {
       std::printf("skipped: no strace, no ptrace(2) or no systemd-analyze here ");
       return "";
     }
-    const std::string unit = strobe::testing::read_text(STROBE_BUILD_DIR "/firmware/strobed.service");
+    const std::string unit = read_text(STROBE_BUILD_DIR "/firmware/strobed.service");
     return tracing_all_but(allowed_by(unit, groups_in(listed.out)), traced);
   }
 
@@ -114,7 +113,7 @@ TEST_GROUP(SystemCalls) {
 
   /// Every call told: execve of the program, or of what keeps the machine awake, and no other.
   void nothing_but_starts(std::size_t starts) const {
-    std::istringstream lines(strobe::testing::read_text(traced));
+    std::istringstream lines(read_text(traced));
     std::size_t count = 0;
     for (std::string line; std::getline(lines, line);) {
       if (line.find(R"( ???)") != std::string::npos) continue;  // killed before strace knew the call
@@ -137,7 +136,7 @@ TEST(SystemCalls, ListOfTheUnitLeavesWhatItNames) {
 TEST(SystemCalls, OfAShotAnEmergencyStopAndAllWaysOutAreInTheUnitsList) {
   const std::string trace = tracer();
   if (trace.empty()) return;
-  strobe::testing::FakeServiceManager manager(folder / "notify");
+  FakeServiceManager manager(folder / "notify");
   RigFixtureOptions options;
   // Shots that begin soon, since nobody looks at the ball; and none is aborted as late: the tracer stops each
   // thread at each of its first calls.
@@ -148,8 +147,7 @@ TEST(SystemCalls, OfAShotAnEmergencyStopAndAllWaysOutAreInTheUnitsList) {
   options.shell = trace + "\"$@\"; for j in \"$5\"/journal-*; do printf torn >>\"$j\"; done; " + trace +
                   "\"$@\" --drill output-failure@1; " + trace + "\"$1\" --safe --config \"$3\"; " + trace +
                   "\"$1\" --check --config \"$3\" --session \"$5\" --lcm-url \"$7\"";
-  RigFixture bench(options);
-  expect_ready(bench);
+  ReadyRig bench(options);
   LineWatcher watch(bench.chip_dir());
   const pid_t first = bench.guardian();
   {
@@ -160,8 +158,7 @@ TEST(SystemCalls, OfAShotAnEmergencyStopAndAllWaysOutAreInTheUnitsList) {
     watch.drive("ESTOP", 1);
   }
   kill(first, SIGTERM);
-  CHECK(strobe::testing::wait_until([&] { return bench.guardian() != first && bench.worker() != 0; },
-                                    kLongestWait));
+  CHECK(wait_until([&] { return bench.guardian() != first && bench.worker() != 0; }, kLongestWait));
   {
     RawHost host(bench);
     fire(bench, host, watch);
@@ -180,6 +177,6 @@ TEST(SystemCalls, OfAShotAnEmergencyStopAndAllWaysOutAreInTheUnitsList) {
 TEST(SystemCalls, OutsideTheListAreNoticed) {
   const std::string trace = tracer();
   if (trace.empty()) return;
-  strobe::testing::run_process({{"sh", "-c", trace + "chroot / true"}, {}, {}, {}}, 20s);
-  STRCMP_CONTAINS("chroot(", strobe::testing::read_text(traced).c_str());
+  run_process({{"sh", "-c", trace + "chroot / true"}, {}, {}, {}}, 20s);
+  STRCMP_CONTAINS("chroot(", read_text(traced).c_str());
 }

@@ -31,7 +31,7 @@
 #include "common/shot/shot_key.hpp"
 #include "firmware/core/rig.hpp"
 #include "firmware/ports/output_lines.hpp"
-#include "tests/soak/truth_comparison.hpp"
+#include "tests/soak/counts.hpp"
 
 namespace strobe::soak {
 

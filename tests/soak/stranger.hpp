@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/soak/random.hpp"
+#include "tests/soak/bus.hpp"
 #include "tests/support/sealed_sender.hpp"
 
 namespace strobe::soak {

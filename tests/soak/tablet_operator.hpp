@@ -9,7 +9,7 @@
 
 #include "common/shot/shot_key.hpp"
 #include "sim/rig/exposure.hpp"
-#include "tests/soak/timeline.hpp"
+#include "tests/soak/bus.hpp"
 
 namespace strobe::soak {
 

@@ -3,14 +3,17 @@
 // One object for each life of the process. Single-threaded; allocates.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/loop/series_runner.hpp"
+#include "tests/soak/bus.hpp"
 
 namespace strobe::soak {
 
@@ -72,6 +75,30 @@ class VirtualHost final : host::Transport, host::Clock, host::HostListener {
   host::HostLoop loop_;
   std::optional<host::SeriesRunner> runner_;
   std::vector<std::string> notifications_;
+};
+
+// A host's machine in the virtual lab: its clocks, its session folder's log, and the host that runs on it. One thread's.
+
+struct HostMachine {
+  HostMachine(Receiver as, Random& random)
+      : receiver(as),
+        rate(1.0 + random.uniform(-50e-6, 50e-6)),
+        origin(from_ns<HostTime>(std::llround(random.uniform(1e9, 1e15)))) {}
+
+  /// world: the time that passes for all, on whatever machine.
+  host::HostReading read(MonoTime world) const {
+    const HostTime since_boot = origin + Duration{std::llround(static_cast<double>(to_ns(world)) * rate)};
+    return {since_boot - slept, WallTime{since_boot.time_since_epoch()}, since_boot.time_since_epoch()};
+  }
+
+  Receiver receiver;
+  double rate;
+  HostTime origin;
+  std::unique_ptr<VirtualHost> process;  ///< null: none runs
+  HostLog log;
+  MonoTime due = kFarFuture;  ///< its next step
+  MonoTime wakes;             ///< the machine sleeps until then
+  Duration slept{};
 };
 
 }  // namespace strobe::soak

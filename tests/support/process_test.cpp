@@ -1,18 +1,57 @@
-#include "tests/support/process.hpp"
-
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <lcm/lcm-cpp.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "tests/support/private_network.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/string_from.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include "tests/support/string_from.hpp"
+#include <CppUTest/TestHarness.h>
 
 using namespace strobe::testing;
 using namespace std::chrono_literals;
+
+namespace {
+
+constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
+
+struct Count {
+  int messages = 0;
+  void take(const lcm::ReceiveBuffer*, const std::string&) { ++messages; }
+};
+
+/// Runs a function in a forked child and returns its exit status.
+template <typename Function>
+int in_child(Function function) {
+  const pid_t child = fork();
+  if (child == 0) _exit(function());
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/// A message to oneself by multicast: the only way to know that LCM works here.
+int lcm_round_trip() {
+  if (!enter_private_network().empty()) return 77;
+  lcm::LCM lcm(kUrl);
+  if (!lcm.good()) return 1;
+  Count count;
+  lcm.subscribe("CHANNEL", &Count::take, &count);
+  const std::string text = "text";
+  lcm.publish("CHANNEL", text.data(), static_cast<unsigned>(text.size()));
+  return lcm.handleTimeout(5000) > 0 && count.messages == 1 ? 0 : 2;
+}
+
+}  // namespace
 
 TEST_GROUP(Process) {
   TemporaryFolder logs;
@@ -107,3 +146,47 @@ TEST(Process, WithAnOrdinaryUsersRightsHasNeitherCapabilitiesNorRealTime) {
   command.rights = Privileges::ordinary;
   CHECK_EQUAL("CapEff:\t0000000000000000\n0\n64\n", run_process(command, 10s).out);
 }
+
+TEST_GROUP(TemporaryFolder){};
+
+TEST(TemporaryFolder, IsThereAndEmptyAndItsOwn) {
+  const TemporaryFolder one;
+  const TemporaryFolder other;
+  CHECK(std::filesystem::is_empty(one.path()));
+  CHECK(one.path() != other.path());
+}
+
+TEST(TemporaryFolder, GoesWithAllThatIsInIt) {
+  std::filesystem::path path;
+  {
+    const TemporaryFolder folder;
+    path = folder.path();
+    std::filesystem::create_directories(folder / "a/b");
+    write_text(folder / "a/b/c.txt", "text");
+  }
+  CHECK_EQUAL(std::getenv("STROBE_KEEP_FOLDERS") != nullptr, std::filesystem::exists(path));
+}
+
+TEST(TemporaryFolder, KeepsWhatIsWrittenByteForByte) {
+  const TemporaryFolder folder;
+  const std::string text("line\r\n\0end", 10);
+  write_text(folder / "file", text);
+  CHECK_EQUAL(text, read_text(folder / "file"));
+}
+
+TEST(TemporaryFolder, ComplainsOfAFileThatCannotBeWritten) {
+  const TemporaryFolder folder;
+  CHECK_THROWS(std::runtime_error, write_text(folder / "no/such/file", "text"));
+}
+
+// Moves the whole test program into a namespace, so it is a program of its own.
+
+TEST_GROUP(PrivateNetwork){};
+
+TEST(PrivateNetwork, CarriesLcm) {
+  const int status = in_child(lcm_round_trip);
+  if (status == 77) return;  // a container without namespaces: programs fall back to a private port
+  CHECK_EQUAL(0, status);
+}
+
+TEST(PrivateNetwork, UrlsDifferFromOneToTheNext) { CHECK(private_lcm_url() != private_lcm_url()); }

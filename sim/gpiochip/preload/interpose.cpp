@@ -58,16 +58,10 @@ mode_t mode_argument(int flags, va_list arguments) {
 }
 
 using OpenFunction = int(const char*, int, ...);
-using OpenAtFunction = int(int, const char*, int, ...);
 
 int open_any(OpenFunction* native, const char* path, int flags, mode_t mode) {
   int result = 0;
   return open_ours(path, flags, result) ? static_cast<int>(answer(result)) : native(path, flags, mode);
-}
-int open_at_any(OpenAtFunction* native, int folder, const char* path, int flags, mode_t mode) {
-  int result = 0;
-  return open_ours(path, flags, result) ? static_cast<int>(answer(result))
-                                        : native(folder, path, flags, mode);
 }
 
 /// As an open of one of ours, for the status of a file.
@@ -185,22 +179,6 @@ STROBE_EXPORT int open64(const char* path, int flags, ...) {
   return open_any(STROBE_NEXT(OpenFunction, "open64"), path, flags, mode);
 }
 
-STROBE_EXPORT int openat(int folder, const char* path, int flags, ...) {
-  va_list arguments;
-  va_start(arguments, flags);
-  const mode_t mode = mode_argument(flags, arguments);
-  va_end(arguments);
-  return open_at_any(STROBE_NEXT(OpenAtFunction, "openat"), folder, path, flags, mode);
-}
-
-STROBE_EXPORT int openat64(int folder, const char* path, int flags, ...) {
-  va_list arguments;
-  va_start(arguments, flags);
-  const mode_t mode = mode_argument(flags, arguments);
-  va_end(arguments);
-  return open_at_any(STROBE_NEXT(OpenAtFunction, "openat64"), folder, path, flags, mode);
-}
-
 // What open() becomes under _FORTIFY_SOURCE.
 STROBE_EXPORT int __open_2(const char* path, int flags) {
   return open_any(STROBE_NEXT(OpenFunction, "open"), path, flags, 0);
@@ -208,13 +186,6 @@ STROBE_EXPORT int __open_2(const char* path, int flags) {
 STROBE_EXPORT int __open64_2(const char* path, int flags) {
   return open_any(STROBE_NEXT(OpenFunction, "open64"), path, flags, 0);
 }
-STROBE_EXPORT int __openat_2(int folder, const char* path, int flags) {
-  return open_at_any(STROBE_NEXT(OpenAtFunction, "openat"), folder, path, flags, 0);
-}
-STROBE_EXPORT int __openat64_2(int folder, const char* path, int flags) {
-  return open_at_any(STROBE_NEXT(OpenAtFunction, "openat64"), folder, path, flags, 0);
-}
-
 using FopenFunction = FILE*(const char*, const char*);
 
 namespace {
@@ -251,16 +222,6 @@ STROBE_EXPORT int stat64(const char* path, struct stat64* status) noexcept {
 STROBE_EXPORT int lstat64(const char* path, struct stat64* status) noexcept {
   return lstat(path, reinterpret_cast<struct stat*>(status));
 }
-STROBE_EXPORT int fstatat(int folder, const char* path, struct stat* status, int flags) noexcept {
-  using Function = int(int, const char*, struct stat*, int);
-  int result = 0;
-  if (status_ours(path, status, result)) return static_cast<int>(answer(result));
-  return STROBE_NEXT(Function, "fstatat")(folder, path, status, flags);
-}
-// What stat() and lstat() were before glibc 2.33.
-STROBE_EXPORT int __xstat(int, const char* path, struct stat* status) { return stat(path, status); }
-STROBE_EXPORT int __lxstat(int, const char* path, struct stat* status) { return lstat(path, status); }
-
 STROBE_EXPORT int access(const char* path, int mode) noexcept {
   using Function = int(const char*, int);
   auto* native = STROBE_NEXT(Function, "access");

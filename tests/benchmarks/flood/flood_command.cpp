@@ -20,7 +20,6 @@
 #include "tests/benchmarks/timing/journalled_flash.hpp"
 #include "tests/benchmarks/timing/sample.hpp"
 #include "tests/benchmarks/timing/table.hpp"
-#include "tests/hil/flooder.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"

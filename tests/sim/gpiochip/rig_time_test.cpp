@@ -1,6 +1,7 @@
-#include "sim/gpiochip/rig_time.hpp"
-
+#include <signal.h>
 #include <sys/eventfd.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -12,17 +13,23 @@
 #include <thread>
 #include <vector>
 
-#include "sim/gpiochip/levels.hpp"
 #include "sim/gpiochip/chip.hpp"
+#include "sim/gpiochip/levels.hpp"
+#include "sim/gpiochip/rig_time.hpp"
 #include "sim/gpiochip/system.hpp"
 #include "sim/gpiochip/time_keeper.hpp"
-
+#include "tests/support/process.hpp"
 #include "tests/support/string_from.hpp"
 
+#include <CppUTest/TestHarness.h>
+
 using namespace strobe::sim::gpio;
+using namespace std::chrono_literals;
 using strobe::Duration;
 using strobe::milliseconds;
 using strobe::sim::RigClock;
+using strobe::sim::gpio::ThreadStates;
+using strobe::testing::wait_until;
 
 namespace {
 
@@ -36,6 +43,8 @@ void work(std::int64_t processor_ns) {
   const std::int64_t end = sys::clock_ns(CLOCK_THREAD_CPUTIME_ID) + processor_ns;
   while (sys::clock_ns(CLOCK_THREAD_CPUTIME_ID) < end) continue;
 }
+
+pid_t own_thread() { return static_cast<pid_t>(::syscall(SYS_gettid)); }
 
 }  // namespace
 
@@ -379,4 +388,54 @@ TEST(RigTime, GoesOnWithoutALoopThatLooksAtTheClockNoMore) {
   begin();
   join();
   CHECK_EQUAL(1'000'000 * kMs + kHour, now());
+}
+
+TEST_GROUP(ThreadStates) {
+  ThreadStates states{own_thread()};
+  std::atomic<bool> ends{false};
+
+  bool all_asleep_soon() {
+    return wait_until([this] { return states.all_asleep(); }, 60s);
+  }
+};
+
+TEST(ThreadStates, NobodyIsAsleep) {
+  states.watch({});
+  CHECK(states.all_asleep());
+}
+
+TEST(ThreadStates, TheCallersOwnThreadDoesNotCount) {
+  states.watch({::getpid()});
+  CHECK(all_asleep_soon());
+}
+
+TEST(ThreadStates, AThreadThatWorksIsFoundWhenItBeginsAndEnds) {
+  states.watch({::getpid()});
+  CHECK(all_asleep_soon());
+  std::atomic<pid_t> tid{0};
+  std::thread worker([&] {
+    tid = own_thread();
+    while (!ends) continue;
+  });
+  CHECK(wait_until([&] { return !states.all_asleep() && states.running() == tid; }, 60s));
+  CHECK(wait_until([&] { return states.consumed_ns(::getpid(), tid) > 1'000'000; }, 60s));
+  ends = true;
+  worker.join();
+  CHECK(all_asleep_soon());
+}
+
+TEST(ThreadStates, AProgramThatIsStoppedOrDeadSleeps) {
+  const pid_t child = ::fork();
+  if (child == 0)
+    for (;;) continue;
+  states.watch({child});
+  CHECK(wait_until([&] { return !states.all_asleep(); }, 60s));
+  ::kill(child, SIGSTOP);
+  CHECK(all_asleep_soon());
+  ::kill(child, SIGCONT);
+  CHECK(wait_until([&] { return !states.all_asleep(); }, 60s));
+  ::kill(child, SIGKILL);
+  CHECK(all_asleep_soon());
+  ::waitpid(child, nullptr, 0);
+  CHECK(all_asleep_soon());
 }

@@ -1,5 +1,5 @@
-// Debian 12's own GPIO programs, those of libgpiod 1, unmodified, against the simulated chip. Skipped where others are
-// installed: see tools_v2_test.cpp.
+// Debian 12's own GPIO programs, those of libgpiod 1, unmodified, against the simulated chip: skipped where others are
+// installed. What each call answers is conformance_test.cpp's, for both versions; and the preloaded library itself.
 #include <signal.h>
 #include <unistd.h>
 
@@ -44,46 +44,10 @@ TEST(GpioTools, GpioinfoShowsLinesAndOwners) {
   STRCMP_CONTAINS("line   1:   \"STROBE_B\"      \"actor\"  output  active-high [used]\n", out.c_str());
 }
 
-TEST(GpioTools, GpioinfoShowsALineThatTheKernelUses) {
-  ChipSpec spec = standard_chip();
-  spec.lines[2].kernel_used = true;
-  ChipFixture other(spec);
-  STRCMP_CONTAINS("\"SHUTTER\"       kernel   input  active-high [used]",
-                  other.run({"gpioinfo", "gpiochip0"}).out.c_str());
-}
-
-TEST(GpioTools, GpiofindFindsALineByName) {
-  CHECK_EQUAL("gpiochip0 8\n", output_of({"gpiofind", "ESTOP"}));
-  LONGS_EQUAL(1, fixture.run({"gpiofind", "NOWHERE"}).status.value().code);
-}
-
-TEST(GpioTools, GpiogetReadsLevels) {
-  fixture.chip().drive(4, 1, now());
-  CHECK_EQUAL("0 1 1\n", output_of({"gpioget", "gpiochip0", "0", "4", "8"}));
-  CHECK_EQUAL("1 0 0\n", output_of({"gpioget", "--active-low", "gpiochip0", "0", "4", "8"}));
-}
-
 TEST(GpioTools, GpiogetFindsTheChipByLabelAndPath) {
   CHECK_EQUAL("1\n", output_of({"gpioget", "strobe-sim-rig", "8"}));
   CHECK_EQUAL("1\n", output_of({"gpioget", "/dev/gpiochip0", "8"}));
   CHECK_EQUAL("1\n", output_of({"gpioget", "0", "8"}));
-}
-
-TEST(GpioTools, GpiosetSetsLinesTogether) {
-  output_of({"gpioset", "gpiochip0", "0=1", "2=1", "3=0"});
-  const std::vector<Change> changes = fixture.changes(2);
-  LONGS_EQUAL(2, changes.size());
-  CHECK_EQUAL(changes[1].time, changes[0].time);
-  LONGS_EQUAL(1, fixture.chip().state(2).level);
-}
-
-TEST(GpioTools, GpiosetInTheBackgroundKeepsTheLine) {
-  // Until it has a process group of its own, what it leaves in the background ends with this object.
-  testing::Process setter(
-      fixture.preloaded({"gpioset", "--mode=time", "--sec=60", "--background", "gpiochip0", "2=1"}),
-      fixture.logs());
-  LONGS_EQUAL(0, setter.wait(kLimit).value().code);
-  CHECK_TRUE(fixture.chip().state(2).requested);
 }
 
 TEST(GpioTools, GpiomonPrintsEdges) {

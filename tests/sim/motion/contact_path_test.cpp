@@ -7,10 +7,10 @@
 
 #include <CppUTest/TestHarness.h>
 
-namespace {
-
 using namespace strobe;
 using namespace strobe::sim;
+
+namespace {
 
 constexpr double kGravity_mps2 = 9.80665;
 
@@ -59,6 +59,12 @@ void equal(const LiftOff& a, const LiftOff& b, double share) {
   DOUBLES_EQUAL(a.dwell_s, b.dwell_s, 5e-3 * share);
   DOUBLES_EQUAL(a.displacement_m, b.displacement_m, 0.08 * share);
   DOUBLES_EQUAL(a.rotation_rad, b.rotation_rad, 2.0 * share);
+}
+
+Scene inclined_scene() {
+  Scene scene = spread_scene(35.0, 120.0);
+  scene.surface_angle_rad = 12.0 * std::numbers::pi / 180.0;
+  return scene;
 }
 
 }  // namespace
@@ -209,16 +215,6 @@ TEST(ContactPath, LeavesTheGripLawAloneButForGripAndOffset) {
   DOUBLES_EQUAL(thrown.coefficients.mu,
                 course_of(scene, 2, none.without(Effect::grip)).lift_off().rebound.impulse_ratio, 1e-12);
 }
-
-namespace {
-
-Scene inclined_scene() {
-  Scene scene = spread_scene(35.0, 120.0);
-  scene.surface_angle_rad = 12.0 * std::numbers::pi / 180.0;
-  return scene;
-}
-
-}  // namespace
 
 // Without friction nothing but the weight acts along the plate.
 TEST(ContactPath, OnAnInclinedPlateTheWeightActsAlongItToo) {

@@ -1,18 +1,29 @@
+#include <sys/inotify.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <string>
 
 #include "sim/loading/load_scene.hpp"
 #include "sim/photograph/appearance.hpp"
+#include "sim/photograph/board.hpp"
 #include "sim/photograph/render.hpp"
 #include "sim/rig/camera.hpp"
 #include "sim/shoot/shoot.hpp"
-
+#include "tests/support/pictures.hpp"
 #include "tests/support/string_from.hpp"
+#include "tests/support/temporary_folder.hpp"
 
-namespace {
+#include <CppUTest/TestHarness.h>
 
 using namespace strobe;
 using namespace strobe::sim;
+namespace fs = std::filesystem;
+
+namespace {
 
 /// A small sensor, no noise, no irregular outline, shadows cast far aside.
 Scene clean_scene(const std::string& camera = "") {
@@ -106,6 +117,55 @@ void check_coverage(const Scene& scene) {
   }
   LONGS_EQUAL(3, looked_at);
 }
+
+/// All numbers of the type, in an order that no compression shortens.
+cv::Mat numbers(int type, int step) {
+  cv::Mat pixels(40, 60, type);
+  for (int row = 0; row < pixels.rows; ++row) {
+    for (int column = 0; column < pixels.cols; ++column) {
+      const int number = (row * pixels.cols + column) * step;
+      if (type == CV_8UC1)
+        pixels.at<std::uint8_t>(row, column) = static_cast<std::uint8_t>(number);
+      else
+        pixels.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(number);
+    }
+  }
+  return pixels;
+}
+
+/// What the kernel tells of a folder's files, as "name:what " in the order that it happened.
+class FolderEar {
+ public:
+  explicit FolderEar(const fs::path& folder) : descriptor_(inotify_init1(IN_NONBLOCK)) {
+    inotify_add_watch(descriptor_, folder.c_str(),
+                      IN_CREATE | IN_CLOSE_WRITE | IN_MOVED_FROM | IN_MOVED_TO | IN_DELETE);
+  }
+  FolderEar(const FolderEar&) = delete;
+  FolderEar& operator=(const FolderEar&) = delete;
+  ~FolderEar() { close(descriptor_); }
+
+  std::string heard() {
+    alignas(inotify_event) std::array<char, 8192> buffer{};
+    const ssize_t size = read(descriptor_, buffer.data(), buffer.size());
+    std::string text;
+    for (ssize_t at = 0; at < size;) {
+      const auto* event = reinterpret_cast<const inotify_event*>(buffer.data() + at);
+      text += std::string(event->name) + ":" + word(event->mask) + " ";
+      at += static_cast<ssize_t>(sizeof(inotify_event)) + event->len;
+    }
+    return text;
+  }
+
+ private:
+  static const char* word(std::uint32_t mask) {
+    if ((mask & IN_CREATE) != 0) return "created";
+    if ((mask & IN_CLOSE_WRITE) != 0) return "closed";
+    if ((mask & IN_MOVED_FROM) != 0) return "from";
+    if ((mask & IN_MOVED_TO) != 0) return "to";
+    return "deleted";
+  }
+  int descriptor_;
+};
 
 }  // namespace
 
@@ -273,4 +333,103 @@ TEST(Render, ShowsTheSecondBallOfADoubleThrow) {
   const Photograph two = rendered(scene, exposure, draw_appearance(scene, 1, 1));
   CHECK(cv::mean(two.pixels)[0] > cv::mean(one)[0]);
   CHECK(rendered_shot(scene).pulses.size() >= two.truth.images.size());
+}
+
+TEST_GROUP(PhotographFile) { strobe::testing::TemporaryFolder folder; };
+
+TEST(PhotographFile, KeepsEveryNumber) {
+  for (const auto& [type, step] : {std::pair{CV_8UC1, 1}, std::pair{CV_16UC1, 27}}) {
+    for (const PhotographFormat format : {PhotographFormat::tiff, PhotographFormat::png}) {
+      const cv::Mat pixels = numbers(type, step);
+      const fs::path path = folder / ("a" + extension(format));
+      CHECK_TRUE(write_photograph(path, pixels, format).has_value());
+      const cv::Mat read = strobe::testing::read_picture(path);
+      LONGS_EQUAL(type, read.type());
+      CHECK_EQUAL(0.0, cv::norm(pixels, read, cv::NORM_INF));
+    }
+  }
+}
+
+TEST(PhotographFile, IsAsLargeAsItsPixelsWhereItIsNotCompressed) {
+  const fs::path path = folder / "a.tif";
+  CHECK_TRUE(write_photograph(path, cv::Mat::zeros(40, 60, CV_16UC1), PhotographFormat::tiff).has_value());
+  CHECK(fs::file_size(path) >= 40 * 60 * 2);
+}
+
+TEST(PhotographFile, AppearsUnderItsNameOnlyWhenItIsWhole) {
+  FolderEar ear(folder.path());
+  CHECK_TRUE(write_photograph(folder / "a.tif", numbers(CV_8UC1, 1), PhotographFormat::tiff).has_value());
+  CHECK_EQUAL("a.tif.part:created a.tif.part:closed a.tif.part:from a.tif:to ", ear.heard());
+}
+
+TEST(PhotographFile, BearsTheTimeThatItIsGivenBeforeItAppears) {
+  const strobe::WallTime written{std::chrono::sys_days{std::chrono::year{2000} / 1 / 1}};
+  const fs::path path = folder / "a.tif";
+  CHECK_TRUE(write_photograph(path, numbers(CV_8UC1, 1), PhotographFormat::tiff, written).has_value());
+  CHECK(std::chrono::file_clock::to_sys(fs::last_write_time(path)) == written);
+}
+
+TEST(PhotographFile, ThatCannotBeWrittenIsNamedAndLeavesNothing) {
+  const auto absent = write_photograph(folder / "no/a.tif", numbers(CV_8UC1, 1), PhotographFormat::tiff);
+  CHECK_FALSE(absent.has_value());
+  STRCMP_CONTAINS("no/a.tif: cannot be written", absent.error().message.c_str());
+  // A folder of that name cannot be replaced by a file.
+  fs::create_directories(folder / "b.tif" / "full");
+  const auto taken = write_photograph(folder / "b.tif", numbers(CV_8UC1, 1), PhotographFormat::tiff);
+  CHECK_FALSE(taken.has_value());
+  CHECK_FALSE(fs::exists(folder / "b.tif.part"));
+  const auto empty = write_photograph(folder / "c.tif", cv::Mat(), PhotographFormat::tiff);
+  CHECK_FALSE(empty.has_value());
+  STRCMP_CONTAINS("c.tif: cannot be encoded", empty.error().message.c_str());
+}
+
+TEST_GROUP(BoardView) {
+  const Board board{BoardPrint::chessboard, 9, 6, 0.03};
+
+  /// The largest difference between two places' distances in the plane, by the board's camera and by the scene's.
+  double worst_m(const std::string& name) const {
+    const auto scene = load_scene(name);
+    CHECK_TRUE(scene.has_value());
+    return worst_m(*scene);
+  }
+  double worst_m(const Scene& scene) const {
+    const Optics optics(scene);
+    const BoardView view = board_view(scene);
+    double worst = 0.0;
+    for (const double row : {0.1, 0.5, 0.9}) {
+      for (const double column : {0.1, 0.4, 0.9}) {
+        const double x = column * view.camera.width_px, y = row * view.camera.height_px;
+        const double x0 = 0.5 * view.camera.width_px, y0 = 0.5 * view.camera.height_px;
+        const Vec2 here = optics.plane_at(x, y), middle = optics.plane_at(x0, y0);
+        const cv::Point2d there = board_at(view.camera, board, view.place, {x, y}) -
+                                  board_at(view.camera, board, view.place, {x0, y0});
+        worst = std::max(worst, std::abs(std::hypot(here.x - middle.x, here.y - middle.y) - cv::norm(there)));
+      }
+    }
+    return worst;
+  }
+};
+
+// 1e-9 m is some millionth of a px; the inverse of the distortion is found to 1e-10 or better by either camera.
+TEST(BoardView, PlaneIsAsLargeAsTheScenesCameraSeesIt) {
+  for (const char* name : {"zero_23", "photo_tilted", "photo_close_lens", "photo_small"})
+    CHECK_TEXT(worst_m(name) < 1e-9, name);
+}
+
+TEST(BoardView, IsATurnedCamerasAsWell) {
+  auto scene = load_scene("photo_close_lens");
+  scene->camera.distortion = 0.0;
+  scene->camera.swing_rad = 0.05;
+  scene->camera.tilt_rad = -0.03;
+  CHECK(worst_m(*scene) < 1e-9);
+}
+
+TEST(BoardView, BoardIsInTheMiddleOfThePhotograph) {
+  const auto scene = load_scene("photo_small");
+  const BoardView view = board_view(*scene);
+  const cv::Point2d corner = image_of(view.camera, board, view.place, {0.0, 0.0});
+  const cv::Point2d opposite = image_of(view.camera, board, view.place, {8 * 0.03, 5 * 0.03});
+  // Within a px: the lens is 100 m away and bends nothing.
+  DOUBLES_EQUAL(0.5 * (view.camera.width_px - 1), 0.5 * (corner.x + opposite.x), 1.0);
+  DOUBLES_EQUAL(0.5 * (view.camera.height_px - 1), 0.5 * (corner.y + opposite.y), 1.0);
 }

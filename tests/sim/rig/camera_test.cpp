@@ -1,20 +1,23 @@
 // What the camera says of a ball against the ball's outline, traced point by point through the lens.
-#include "sim/rig/camera.hpp"
-
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
 
+#include "sim/random/draws.hpp"
+#include "sim/rig/camera.hpp"
+#include "sim/rig/pixels.hpp"
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
 
 #include <CppUTest/TestHarness.h>
 
-namespace {
-
 using namespace strobe;
 using namespace strobe::sim;
 using reduction::PointPx;
+using Vector = std::array<double, 3>;
+
+namespace {
 
 constexpr double kPi = std::numbers::pi;
 
@@ -49,8 +52,6 @@ Region region(int n, const std::function<PointPx(int)>& corner) {
   return out;
 }
 
-using Vector = std::array<double, 3>;
-
 /// The circle in which rays from the lens touch the sphere.
 Vector touching(const Vector& centre, double radius, double lens_m, double turn) {
   Vector d{-centre[0], -centre[1], lens_m - centre[2]};
@@ -74,6 +75,23 @@ struct Place {
 };
 constexpr std::array kPlaces{Place{0.0, 0.175, 0.0}, Place{0.28, 0.05, 0.0}, Place{-0.25, 0.30, 0.02},
                              Place{0.1, 0.0326, -0.03}, Place{-0.29, 0.34, -0.01}};
+
+constexpr std::uint64_t kSeed = 5;
+
+BallView random_view(Draws& draws, double half_px, double flattening) {
+  BallView view;
+  view.centre_px = {1000.0 * draws.uniform() - 200.0, 1000.0 * draws.uniform() - 200.0};
+  view.along_px = half_px * (1.0 + flattening * draws.uniform());
+  view.across_px = half_px;
+  view.axis_rad = 6.28 * draws.uniform();
+  view.equator_rad = 6.28 * draws.uniform();
+  return view;
+}
+
+double turned(double a, double b) { return std::abs(std::remainder(a - b, std::numbers::pi)); }
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kDistance_px = 8000.0;
 
 }  // namespace
 
@@ -183,4 +201,139 @@ TEST(RigCamera, SeesANearerBallLargerAndFartherOut) {
   // .01, changes by 4 % of itself.
   DOUBLES_EQUAL(1.5 / 1.47, (nearer.centre_px.x - 1500.0) / (in_plane.centre_px.x - 1500.0), 4e-4);
   DOUBLES_EQUAL(1.5 / 1.47, nearer.diameter_px() / in_plane.diameter_px(), 4e-4);
+}
+
+TEST_GROUP(PixelGrid) { PixelGrid grid; };
+
+TEST(PixelGrid, MeasuresWhatItDrewFarBelowAPixel) {
+  // Rounding to 8 bits errs by up to 1/440 of a pixel at each of some 8·r pixels of the outline, at random:
+  // sqrt(8·r)/440/sqrt(3)·r/(pi·r²) or 1e-4 px for r = 130 px. The eight lines a row err at the outline's
+  // flat top and bottom, by about .2·sqrt(2·r)/8^1.5 px² at each or .004/sqrt(r) px of the centre. Five times
+  // that.
+  Draws draws(kSeed, Purpose::tablet, 1);
+  for (const double half_px : {15.0, 40.0, 130.0}) {
+    const double bound = 0.02 / std::sqrt(half_px);
+    for (int i = 0; i < 60; ++i) {
+      const BallView view = random_view(draws, half_px, 0.05);
+      const PixelMeasurement seen = grid.measure(view, {});
+      DOUBLES_EQUAL(view.centre_px.x, seen.centre_px.x, bound);
+      DOUBLES_EQUAL(view.centre_px.y, seen.centre_px.y, bound);
+      DOUBLES_EQUAL(view.diameter_px(), seen.diameter_px, 2.0 * bound);
+      CHECK(turned(view.equator_rad, *seen.equator_rad) < PixelGrid::error_rad(half_px));
+      CHECK(bound < PixelGrid::error_px(half_px));
+    }
+  }
+}
+
+TEST(PixelGrid, FindsTheMiddleOfABallThatMovedWhileItWasLit) {
+  Draws draws(kSeed, Purpose::tablet, 2);
+  for (int i = 0; i < 30; ++i) {
+    const BallView view = random_view(draws, 60.0, 0.0);
+    const PixelMeasurement seen = grid.measure(view, {7.0 * draws.uniform(), -5.0 * draws.uniform(), 0.02});
+    DOUBLES_EQUAL(view.centre_px.x, seen.centre_px.x, 1e-3);
+    DOUBLES_EQUAL(view.centre_px.y, seen.centre_px.y, 1e-3);
+    DOUBLES_EQUAL(view.diameter_px(), seen.diameter_px, 2e-3);  // the light is spread, not lost
+    CHECK(turned(view.equator_rad, *seen.equator_rad) < 0.01);
+  }
+}
+
+TEST(PixelGrid, SpreadsTheEdgeOverTheWayThatTheBallMoves) {
+  BallView view{.centre_px = {100.0, 100.0}, .along_px = 30.0, .across_px = 30.0};
+  const auto grey = [&] {
+    return std::ranges::count_if(grid.picture(), [](std::uint8_t p) { return p > 2 && p < 218; });
+  };
+  view.equator_rad = 0.0;
+  grid.measure(view, {});
+  const auto still = grey();
+  grid.measure(view, {8.0, 0.0, 0.0});
+  // Each row's two edges become 8 px wide.
+  CHECK(grey() > still + 2 * 50 * 6);
+}
+
+TEST(PixelGrid, DrawsABrightDiscWithADarkBar) {
+  const BallView view{.centre_px = {0.0, 0.0}, .along_px = 50.0, .across_px = 50.0, .equator_rad = 0.0};
+  grid.measure(view, {});
+  const auto& picture = grid.picture();
+  LONGS_EQUAL(PixelGrid::kBall, *std::ranges::max_element(picture));
+  const auto at = [&](int x, int y) {
+    const int left = -grid.width() / 2, bottom = -grid.height() / 2;
+    return static_cast<int>(picture[static_cast<std::size_t>((y - bottom) * grid.width() + (x - left))]);
+  };
+  LONGS_EQUAL(PixelGrid::kBar, at(0, 0));
+  LONGS_EQUAL(PixelGrid::kBar, at(25, 0));
+  LONGS_EQUAL(PixelGrid::kBall, at(40, 0));
+  LONGS_EQUAL(PixelGrid::kBall, at(0, 10));
+  LONGS_EQUAL(0, at(52, 0));
+  LONGS_EQUAL(0, at(40, 40));
+}
+
+TEST(PixelGrid, SeesNoLineOnATinyBall) {
+  const BallView view{.centre_px = {0.3, 0.0}, .along_px = 4.0, .across_px = 4.0, .equator_rad = 0.5};
+  const PixelMeasurement seen = grid.measure(view, {});
+  CHECK(!seen.equator_rad.has_value());
+  DOUBLES_EQUAL(0.3, seen.centre_px.x, 0.02);
+}
+
+TEST_GROUP(Slant){};
+
+TEST(Slant, IsTheProjectionOntoATurnedSensor) {
+  const double a = 0.04;
+  const Slant slant(a, 0.0, kDistance_px);
+  const double x = 700.0, y = -400.0;
+  const double nearer = 1.0 + x * std::tan(a) / kDistance_px;
+  const Eigen::Vector2d seen = slant.apply(Eigen::Vector2d(x, y));
+  DOUBLES_EQUAL(x / (std::cos(a) * std::cos(a) * nearer), seen.x(), 1e-9);
+  DOUBLES_EQUAL(y / (std::cos(a) * nearer), seen.y(), 1e-9);
+}
+
+TEST(Slant, LeavesTheFootAndIsUndone) {
+  const Slant slant(0.1, -0.07, kDistance_px);
+  DOUBLES_EQUAL(0.0, slant.apply(Eigen::Vector2d(0.0, 0.0)).norm(), 1e-9);
+  const Eigen::Vector2d place(900.0, 500.0);
+  DOUBLES_EQUAL(0.0, (slant.undo(slant.apply(place)) - place).norm(), 1e-9);
+  DOUBLES_EQUAL(0.0, (Slant().apply(place) - place).norm(), 0.0);
+}
+
+TEST(Slant, TellsTheDerivative) {
+  const Slant slant(0.1, -0.07, kDistance_px);
+  const Eigen::Vector2d place(900.0, 500.0);
+  const double step = 1e-3;  // the second derivative is some 1e-5 a px
+  for (const Eigen::Vector2d& way : {Eigen::Vector2d(step, 0.0), Eigen::Vector2d(0.0, step)}) {
+    const Eigen::Vector2d difference =
+        (slant.apply(Eigen::Vector2d(place + way)) - slant.apply(Eigen::Vector2d(place - way))) /
+        (2.0 * step);
+    DOUBLES_EQUAL(0.0, (difference - slant.jacobian(place) * way / step).norm(), 1e-7);
+  }
+}
+
+TEST(Slant, MapsAnEllipseToTheOneThroughItsPointsImages) {
+  const Slant slant(0.1, -0.07, kDistance_px);
+  const Slant::Ellipse square{{900.0, 500.0}, 140.0, 120.0, 0.5};
+  const Slant::Ellipse image = slant.apply(square);
+  CHECK(image.along >= image.across);
+  for (double t = 0.0; t < 6.28; t += 0.3) {
+    const double u = square.along * std::cos(t), v = square.across * std::sin(t);
+    const Eigen::Vector2d at = square.centre + Eigen::Vector2d(u * std::cos(0.5) - v * std::sin(0.5),
+                                                               u * std::sin(0.5) + v * std::cos(0.5));
+    const Eigen::Vector2d from = slant.apply(at) - image.centre;
+    const double c = std::cos(image.axis_rad), s = std::sin(image.axis_rad);
+    const double p = (from.x() * c + from.y() * s) / image.along,
+                 q = (from.y() * c - from.x() * s) / image.across;
+    DOUBLES_EQUAL(1.0, p * p + q * q, 1e-9);
+  }
+}
+
+TEST(Slant, GivesTheSidesOfThePhotographDifferentScales) {
+  Scene scene = test::plain_scene();
+  scene.camera.distance_m = 2.0;
+  const Camera square(scene);
+  scene.camera.swing_rad = 2.0 * kDegree;
+  const Camera turned(scene);
+  const double left =
+      turned.view(-0.25, 0.2, 0.0, 0.0).diameter_px() / square.view(-0.25, 0.2, 0.0, 0.0).diameter_px();
+  const double right =
+      turned.view(0.25, 0.2, 0.0, 0.0).diameter_px() / square.view(0.25, 0.2, 0.0, 0.0).diameter_px();
+  // Areas go as (1 + x·tan(a)/L)^-3, diameters as its root.
+  DOUBLES_EQUAL(3.0 * 0.25 * std::tan(2.0 * kDegree) / 2.0, std::log(left / right), 1e-4);
+  DOUBLES_EQUAL(square.project(0.0, 0.175).x, turned.project(0.0, 0.175).x, 1e-9);
 }
