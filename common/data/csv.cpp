@@ -1,33 +1,19 @@
 #include "common/data/csv.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
-#include <string>
 #include <system_error>
 
 namespace strobe::data {
 
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";
-
-std::string_view trimmed(std::string_view text) {
+std::string trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
   const auto first = text.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> cells;
-  std::size_t begin = 0;
-  for (std::size_t comma = line.find(','); comma != std::string_view::npos; comma = line.find(',', begin)) {
-    cells.push_back(trimmed(line.substr(begin, comma - begin)));
-    begin = comma + 1;
-  }
-  cells.push_back(trimmed(line.substr(begin)));
-  return cells;
+  return std::string(text.substr(first, text.find_last_not_of(kBlanks) - first + 1));
 }
 
 std::string joined(std::span<const std::string_view> columns) {
@@ -43,14 +29,57 @@ std::string shown(std::string_view cell) {
   return text.append(cell.size() > 40 ? "...'" : "'");
 }
 
-bool same(std::span<const std::string_view> a, std::span<const std::string_view> b) {
-  if (a.size() != b.size()) return false;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    if (a[i] != b[i]) return false;
-  return true;
+/// Takes one row off the text. line: where it begins, then where the next one does.
+CsvRow take_row(std::string_view& text, int& line) {
+  CsvRow row{.line = line, .cells = {""}};
+  bool quoted = false;
+  while (!text.empty()) {
+    const char c = text.front();
+    text.remove_prefix(1);
+    if (c == '\n') ++line;
+    if (c == '"') {
+      const bool doubled = quoted && text.starts_with('"');
+      if (doubled) {
+        row.cells.back() += c;
+        text.remove_prefix(1);
+      } else {
+        quoted = !quoted;
+      }
+    } else if (quoted || (c != ',' && c != '\n' && c != '\r')) {
+      row.cells.back() += c;
+    } else if (c == ',') {
+      row.cells.emplace_back();
+    } else if (c == '\n') {
+      break;
+    }
+  }
+  return row;
 }
 
 }  // namespace
+
+std::vector<CsvRow> csv_rows(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  std::vector<CsvRow> rows;
+  int line = 1;
+  while (!text.empty()) {
+    CsvRow row = take_row(text, line);
+    if (row.cells.size() > 1 || !row.cells.front().empty()) rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::vector<std::string> csv_cells(std::string_view row) {
+  int line = 1;
+  return take_row(row, line).cells;
+}
+
+std::string csv_cell(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string cell = "\"";
+  for (const char c : text) cell.append(c == '"' ? 2 : 1, c);
+  return cell + "\"";
+}
 
 tl::unexpected<Error> csv_error(std::string_view source, int line, std::string_view column,
                                 std::string_view what) {
@@ -62,32 +91,20 @@ tl::unexpected<Error> csv_error(std::string_view source, int line, std::string_v
 
 Result<std::vector<CsvRow>> parse_csv(std::string_view text, std::string_view source,
                                       std::span<const std::string_view> columns) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  std::vector<CsvRow> rows;
-  bool header_seen = false;
-  int line = 0;
-  while (!text.empty()) {
-    ++line;
-    const auto end = text.find('\n');
-    const std::string_view content = trimmed(text.substr(0, end));
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    if (content.empty()) continue;
-    std::vector<std::string_view> cells = split(content);
-    if (!header_seen) {
-      if (!same(cells, columns)) return csv_error(source, line, "", "the header must be " + joined(columns));
-      header_seen = true;
-      continue;
-    }
-    if (cells.size() != columns.size()) {
-      std::string what = "has ";
-      what.append(std::to_string(cells.size()))
-          .append(" columns instead of ")
-          .append(std::to_string(columns.size()));
-      return csv_error(source, line, cells.size() < columns.size() ? columns[cells.size()] : "", what);
-    }
-    rows.push_back({line, std::move(cells)});
+  std::vector<CsvRow> rows = csv_rows(text);
+  for (CsvRow& row : rows) std::ranges::transform(row.cells, row.cells.begin(), trimmed);
+  std::erase_if(rows, [](const CsvRow& row) { return row.cells.size() == 1 && row.cells.front().empty(); });
+  if (rows.empty()) return csv_error(source, 1, "", "is empty; the header must be " + joined(columns));
+  if (!std::ranges::equal(rows.front().cells, columns))
+    return csv_error(source, rows.front().line, "", "the header must be " + joined(columns));
+  rows.erase(rows.begin());
+  for (const CsvRow& row : rows) {
+    if (row.cells.size() == columns.size()) continue;
+    const std::string_view at = row.cells.size() < columns.size() ? columns[row.cells.size()] : "";
+    return csv_error(
+        source, row.line, at,
+        "has " + std::to_string(row.cells.size()) + " columns instead of " + std::to_string(columns.size()));
   }
-  if (!header_seen) return csv_error(source, 1, "", "is empty; the header must be " + joined(columns));
   return rows;
 }
 
@@ -101,14 +118,6 @@ Result<double> parse_number(std::string_view cell, std::string_view source, int 
   if (error != std::errc{} || end != cell.data() + cell.size() || !std::isfinite(value))
     return csv_error(source, line, column, shown(cell) + " is not a number");
   return value;
-}
-
-Result<std::string> read_text(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path)) return fail(path.string() + ": cannot be read");
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (file.bad()) return fail(path.string() + ": cannot be read");
-  return text;
 }
 
 }  // namespace strobe::data

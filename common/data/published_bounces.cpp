@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/config/files.hpp"
 #include "common/data/csv.hpp"
 
 namespace strobe::published {
@@ -150,7 +151,7 @@ Result<void> check_surfaces(std::span<const Set> sets, std::string_view source) 
 
 Result<void> load_set(const std::filesystem::path& folder, const std::vector<Ball>& balls, Set& set) {
   const std::filesystem::path path = folder / (set.name + ".csv");
-  const auto text = data::read_text(path);
+  const auto text = config::read_file(path.string());
   if (!text) return tl::unexpected(text.error());
   auto bounces = parse_bounces(*text, path.string());
   if (!bounces) return tl::unexpected(bounces.error());
@@ -211,7 +212,7 @@ Result<Bounces> load_bounces(const std::filesystem::path& folder) {
   const std::filesystem::path balls = folder / "balls.csv", sets = folder / "sets.csv",
                               friction = folder / "friction.csv";
   for (const auto& path : {balls, sets, friction}) {
-    const auto text = data::read_text(path);
+    const auto text = config::read_file(path.string());
     if (!text) return tl::unexpected(text.error());
     if (path == balls) {
       auto parsed = parse_balls(*text, path.string());

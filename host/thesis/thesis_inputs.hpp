@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "common/data/printed_values.hpp"
 #include "common/data/thesis_data.hpp"
 #include "common/impact/fit/contact_fit.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"

@@ -22,9 +22,8 @@ const std::map<std::string, std::vector<Layer>> kLayers{
     {"common",
      {
          {"common", "common/impact"},
-         {"common/authentication", "common/ball", "common/command_line", "common/config", "common/data",
-          "common/image", "common/sampling", "common/statistics", "common/units", "common/wire"},
-         {"common/flight", "common/frontier", "common/impact/closed_form", "common/shot"},
+         {"common/authentication", "common/ball", "common/command_line", "common/config", "common/image", "common/sampling", "common/statistics", "common/units", "common/wire"},
+         {"common/data", "common/flight", "common/frontier", "common/impact/closed_form", "common/shot"},
          {"common/geometry", "common/impact/ode"},
          {"common/contact/integration", "common/impact/fit", "common/reduction"},
          {"common/contact/differentiation", "common/messages", "common/reduction/matching"},

@@ -7,7 +7,6 @@
 #include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
 #include "common/contact/condition_inputs.hpp"
-#include "common/data/csv.hpp"
 #include "common/data/thesis_data.hpp"
 #include "common/units/angles.hpp"
 #include "host/commands/command.hpp"
@@ -46,7 +45,7 @@ struct Source {
 };
 
 Result<data::ContactSet> read_contacts(const std::string& path) {
-  const auto text = data::read_text(path);
+  const auto text = config::read_file(path);
   if (!text) return tl::unexpected(text.error());
   return data::parse_contact_csv(*text, path);
 }

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <optional>
+#include <span>
 
 #include "common/config/files.hpp"
 #include "common/data/csv.hpp"
@@ -14,63 +13,10 @@ namespace strobe::host {
 
 namespace {
 
-struct Row {
-  int line = 0;
-  std::vector<std::string> cells;
-};
-
-/// Rows of comma-separated cells with RFC 4180 quoting: a note may hold commas.
-class Rows {
- public:
-  explicit Rows(std::string_view text) : text_(text) {
-    if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
-  }
-
-  /// The next row that is not blank.
-  std::optional<Row> next() {
-    while (at_ < text_.size()) {
-      Row row = read();
-      if (row.cells.size() > 1 || !row.cells.front().empty()) return row;
-    }
-    return std::nullopt;
-  }
-
- private:
-  Row read() {
-    Row row{.line = line_, .cells = {""}};
-    bool quoted = false;
-    while (at_ < text_.size()) {
-      const char c = text_[at_++];
-      if (c == '\n') ++line_;
-      if (quoted) {
-        const bool doubled = c == '"' && at_ < text_.size() && text_[at_] == '"';
-        if (doubled) ++at_;
-        if (c != '"' || doubled)
-          row.cells.back() += c;
-        else
-          quoted = false;
-      } else if (c == '"') {
-        quoted = true;
-      } else if (c == ',') {
-        row.cells.emplace_back();
-      } else if (c == '\n') {
-        break;
-      } else if (c != '\r') {
-        row.cells.back() += c;
-      }
-    }
-    return row;
-  }
-
-  std::string_view text_;
-  std::size_t at_ = 0;
-  int line_ = 1;
-};
-
 /// The cells of one row by the header's names.
 class Record {
  public:
-  Record(const std::vector<std::string>& header, const Row& row, const std::string& source)
+  Record(const std::vector<std::string>& header, const data::CsvRow& row, const std::string& source)
       : header_(header), row_(row), source_(source) {}
 
   /// Empty where the file has no such column.
@@ -95,7 +41,7 @@ class Record {
 
  private:
   const std::vector<std::string>& header_;
-  const Row& row_;
+  const data::CsvRow& row_;
   const std::string& source_;
 };
 
@@ -185,26 +131,29 @@ Result<FitData> conditions_to_fit(thesis::Version version, impact::Spread spread
 }
 
 Result<FitData> parse_results(std::string_view text, const std::string& source) {
-  Rows rows(text);
-  const auto header = rows.next();
-  if (!header) return fail(source + ": is empty");
-  if (const auto checked = check_header(header->cells, header->line, source); !checked)
+  const std::vector<data::CsvRow> rows = data::csv_rows(text);
+  if (rows.empty()) return fail(source + ": is empty");
+  const std::vector<std::string>& header = rows.front().cells;
+  if (const auto checked = check_header(header, rows.front().line, source); !checked)
     return tl::unexpected(checked.error());
   FitData out;
-  while (const auto row = rows.next()) {
-    if (row->cells.size() != header->cells.size())
-      return fail(source + ":" + std::to_string(row->line) + ": " + std::to_string(row->cells.size()) +
-                  " cells where the header has " + std::to_string(header->cells.size()));
-    const auto added = add_shot(Record(header->cells, *row, source), source, out);
+  for (const data::CsvRow& row : std::span(rows).subspan(1)) {
+    if (row.cells.size() != header.size())
+      return fail(source + ":" + std::to_string(row.line) + ": " + std::to_string(row.cells.size()) +
+                  " cells where the header has " + std::to_string(header.size()));
+    const auto added = add_shot(Record(header, row, source), source, out);
     if (!added) return tl::unexpected(added.error());
   }
   return out;
 }
 
 Result<FitData> read_results(const std::filesystem::path& path) {
-  const auto text = data::read_text(path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_results(*text, path.string());
+  std::string text;  // of any size, where read_file() has a limit
+  const auto there = config::read_lines(
+      path, [&text](std::string_view line, bool ended) { text.append(line).append(ended ? "\n" : ""); });
+  if (!there) return tl::unexpected(there.error());
+  if (!*there) return fail(path.string() + ": No such file or directory");
+  return parse_results(text, path.string());
 }
 
 }  // namespace strobe::host

@@ -148,7 +148,7 @@ TEST(FitCommand, NamesFileLineAndColumnOfWhatIsWrong) {
   path = file(kHeader);
   check_refused(run_fit({path}),
                 path + ": no shot with vx, vy, omega at touchdown, vx, omega at lift-off and e");
-  check_refused(run_fit({folder.path().string()}), folder.path().string() + ": cannot be read");
+  check_refused(run_fit({folder.path().string()}), folder.path().string() + ": Is a directory");
 }
 
 TEST(FitCommand, RefusesMoreParametersThanTheShotsGiveNumbers) {

@@ -195,5 +195,5 @@ TEST(PublishedBounces, FrictionComesFromARowOrANumber) {
 TEST(PublishedBounces, AFolderWithoutThemIsNamed) {
   const auto loaded = load_bounces("/nowhere");
   CHECK(!loaded);
-  CHECK_EQUAL("/nowhere/balls.csv: cannot be read", loaded.error().message);
+  CHECK_EQUAL("/nowhere/balls.csv: No such file or directory", loaded.error().message);
 }

@@ -119,5 +119,5 @@ TEST(ThesisData, RefusesTablesThatAreNotTheTables) {
 
 TEST(ThesisData, AFolderThatIsNotThereIsNamed) {
   const auto data = thesis::load("/no/such/folder", Version::corrected);
-  CHECK_EQUAL("/no/such/folder/corrections.csv: cannot be read", data.error().message);
+  CHECK_EQUAL("/no/such/folder/corrections.csv: No such file or directory", data.error().message);
 }

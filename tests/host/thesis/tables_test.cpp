@@ -242,6 +242,6 @@ TEST(PrintedValues, AreRefusedWithoutProvenanceOrNumber) {
               thesis::parse_printed_values(header + "17,zero_23,see_x,mm,1.070,\n", "p.csv").error().message);
   CHECK_EQUAL("p.csv:2: value: 'one' is not a number",
               thesis::parse_printed_values(header + "17,zero_23,see_x,mm,one,T\n", "p.csv").error().message);
-  CHECK_EQUAL("/no/such/folder/printed_values.csv: cannot be read",
+  CHECK_EQUAL("/no/such/folder/printed_values.csv: No such file or directory",
               thesis::load_printed_values("/no/such/folder").error().message);
 }
