@@ -148,6 +148,18 @@ Result<std::vector<Condition>> corrected(std::vector<Condition> conditions,
   return conditions;
 }
 
+std::optional<Condition> shipped_condition(const std::string& spin, double angle_deg) {
+  const auto share = config::share_folder();
+  if (!share) return std::nullopt;
+  const auto text = config::read_file((*share / "thesis" / "tables_02_to_10.csv").string());
+  if (!text) return std::nullopt;
+  const auto conditions = parse_conditions(*text, "tables_02_to_10.csv");
+  if (!conditions) return std::nullopt;
+  for (const Condition& condition : *conditions)
+    if (condition.spin == spin && condition.angle_label_deg == std::abs(angle_deg)) return condition;
+  return std::nullopt;
+}
+
 Result<Data> load(const std::filesystem::path& folder, Version version) {
   const auto corrections_text = config::read_file((folder / "corrections.csv").string());
   if (!corrections_text) return tl::unexpected(corrections_text.error());

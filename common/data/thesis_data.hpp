@@ -1,10 +1,11 @@
 // The thesis's data: means of its 21 conditions (Tables 2–10) and the contact images of each (Appendix), as
-// printed, and a separate list of corrections, each with its reason, applied on loading by default. Parsing
-// is pure; load() reads files. Thread-safe; allocates.
+// printed, and a separate list of corrections, each with its reason, applied on loading by default; and what is
+// known of its other tables. Parsing is pure; load functions read files. Thread-safe; allocates.
 #pragma once
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -68,14 +69,15 @@ Result<std::vector<Condition>> corrected(std::vector<Condition> conditions,
                                          std::span<const Correction> corrections);
 Result<data::ContactSet> corrected(data::ContactSet set, std::span<const Correction> corrections);
 
+/// The condition of that spin and that angle of incidence (which the tables label without sign) as it comes with the programs, as
+/// printed. Reads a file. Returns nullopt if there is none, or no such file.
+std::optional<Condition> shipped_condition(const std::string& spin, double angle_deg);
+
 /// Reads `folder`/tables_02_to_10.csv, `folder`/corrections.csv and `folder`/contact/<name>.csv for each
 /// condition.
 Result<Data> load(const std::filesystem::path& folder, Version version);
 
-// Printed values of the thesis beyond its Tables 2–10 that are known: single numbers by table, set and
-// quantity, each with its provenance. Parsing is pure; load_printed_values() reads a file. Thread-safe;
-// allocates.
-
+/// A number that the thesis prints beyond its Tables 2–10, with where it is known from.
 struct PrintedValue {
   std::string table;  ///< "15", or the name of a source that the thesis cites
   std::string set;    ///< e.g. "zero_23"

@@ -1,9 +1,10 @@
 #include "host/bounces/report.hpp"
 
 #include <fmt/format.h>
-
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "common/messages/parsed_json.hpp"
 
@@ -193,6 +194,60 @@ std::string json(const published::Set& set, const Row& row) {
   out["balance"] = balance_json(row.with_weight);
   out["balance_level"] = balance_json(row.level);
   return messages::json_text(out);
+}
+
+namespace {
+
+constexpr std::array<const char*, kModels.size()> kColours{figures::colours::kConstrained,
+                                                           figures::colours::kCubic, figures::colours::kZero,
+                                                           figures::colours::kTop};
+constexpr std::array kSymbols{figures::Symbol::open_square, figures::Symbol::open_triangle,
+                              figures::Symbol::open_circle, figures::Symbol::circle};
+
+figures::Panel panel_of(const std::vector<Row>& rows, published::Build build, const char* title,
+                        bool legend) {
+  figures::Panel panel{
+      .title = title, .x_label = "measured topspin, rad/s", .y_label = "predicted topspin, rad/s"};
+  double most = 1.0;
+  for (std::size_t i = 0; i < kModels.size(); ++i) {
+    const std::string model(name(kModels[i]));
+    figures::Series series{.name = std::string(title) + " " + model,
+                           .legend = legend ? model : std::string(),
+                           .stroke = figures::Stroke::points,
+                           .colour = kColours[i],
+                           .symbol = kSymbols[i]};
+    for (const Row& row : rows) {
+      if (row.bounce.ball.build != build) continue;
+      series.points.push_back(
+          {.x = -row.bounce.bounce.omega_lo_radps.value, .y = -row.predictions[i].lift_off.omega_radps});
+      most = std::max({most, series.points.back().x, series.points.back().y});
+    }
+    panel.series.push_back(std::move(series));
+  }
+  panel.series.insert(panel.series.begin(), {.name = std::string(title) + " equal",
+                                             .legend = legend ? "predicted = measured" : "",
+                                             .stroke = figures::Stroke::solid,
+                                             .colour = "#888888",
+                                             .points = {{0.0, 0.0}, {most, most}}});
+  return panel;
+}
+
+}  // namespace
+
+figures::Figure spin_figure(const std::vector<Row>& rows) {
+  figures::Figure figure{.number = 1,
+                         .title = "Spin after the bounces that others have published",
+                         .caption = "Predicted before anything is fitted; models as in strobe bounces.",
+                         .legend_columns = 5};
+  const auto add_panel = [&](published::Build build, const char* title) {
+    const auto of_build = [build](const Row& row) { return row.bounce.ball.build == build; };
+    if (std::ranges::any_of(rows, of_build))
+      figure.panels.push_back(panel_of(rows, build, title, figure.panels.empty()));
+  };
+  add_panel(published::Build::shell, "tennis ball");
+  add_panel(published::Build::solid, "solid balls");
+  figure.columns = static_cast<int>(figure.panels.size());
+  return figure;
 }
 
 }  // namespace strobe::bounces

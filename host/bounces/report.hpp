@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host/bounces/balance.hpp"
 #include "host/bounces/prediction.hpp"
+#include "host/figures/figure.hpp"
 
 namespace strobe::bounces {
 
@@ -37,5 +37,11 @@ std::string text(const published::Set& set, const std::vector<Row>& rows);
 /// omega_lo_radps and their sds); predictions (by model: vx_lo_mps, vy_lo_mps, omega_lo_radps, mu, vx_is_given, residuals, sds);
 /// balance and balance_level (alpha, offset_mm, sds, slip_lo_mps, ex). What is not published is null.
 std::string json(const published::Set& set, const Row& row);
+
+// Predicted against measured spin of published bounces. Pure; thread-safe; allocates.
+
+/// A panel for tennis balls, one for solid balls, where there are any; a series for each model, besides the line on which predicted is
+/// measured. Topspin counts positive.
+figures::Figure spin_figure(const std::vector<Row>& rows);
 
 }  // namespace strobe::bounces

@@ -7,6 +7,7 @@
 #include <optional>
 #include <system_error>
 
+#include "common/data/thesis_data.hpp"
 #include "common/authentication/key_file.hpp"
 #include "common/command_line/help.hpp"
 #include "common/config/default_rig.hpp"
@@ -23,7 +24,6 @@
 #include "host/session/former_runs.hpp"
 #include "host/session/run_lock.hpp"
 #include "host/session/session_folder.hpp"
-#include "host/thesis/condition.hpp"
 
 namespace strobe::host {
 namespace {
@@ -130,7 +130,7 @@ Result<FireRequest> request_of(const FireOptions& options) {
   if (auto set = set_shots(options, request); !set) return tl::unexpected(set.error());
   request.photographs = options.photographs;
   request.run = record_of(options, request);
-  if (options.angle_deg) request.condition = thesis_condition(options.spin, *options.angle_deg);
+  if (options.angle_deg) request.condition = thesis::shipped_condition(options.spin, *options.angle_deg);
   request.style = Terminal::style(options.json, options.plain);
   request.all = options.all;
   request.web = options.web;

@@ -7,7 +7,9 @@
 #include <string_view>
 #include <vector>
 
-namespace strobe::report {
+#include "common/data/thesis_data.hpp"
+
+namespace strobe::thesis {
 
 /// Why a printed and a computed value differ, or why there is only one of them.
 enum class Reason {
@@ -91,4 +93,39 @@ Cell computed_only(std::optional<double> value, std::optional<double> sd = std::
 
 Cell text_cell(std::string text);
 
-}  // namespace strobe::report
+// A table as text for people and as JSON for scripts. Pure; thread-safe; allocates.
+
+/// Title, one or two lines for each row (printed, recomputed; a * marks differences larger than rounding),
+/// then every difference with its reason, then the notes.
+std::string text(const Table& table);
+
+/// One object without line breaks: table, title, columns (key, unit), rows (label and, by the columns' keys,
+/// printed, printed_sd, computed, sd, difference, last_digits, difference_over_sd, reason, allowed, remark;
+/// absent values left out), notes. Numbers are printed shortest-round-trip.
+std::string json(const Table& table);
+
+// Tolerances of derived values: how much the mean of a function of two quantities may differ from the
+// function of the printed means, by the rounding of the inputs (half a digit each, first order) and by the
+// spread of the replicates (second order: half the trace of Hessian times covariance, the largest over all
+// correlations). Pure; thread-safe; no allocation.
+
+/// Half a digit of the printed means, all of which have two decimals.
+inline constexpr double kHalfDigit = 0.005;
+
+struct DerivedValue {
+  double value = 0.0;
+  Tolerance tolerance;
+};
+
+DerivedValue angle_deg(const thesis::MeanSd& vx, const thesis::MeanSd& vy);
+DerivedValue speed(const thesis::MeanSd& vx, const thesis::MeanSd& vy);
+/// -vy_LO/vy_TD
+DerivedValue restitution(const thesis::Condition& condition);
+/// (vx_TD - vx_LO)/(vy_LO - vy_TD)
+DerivedValue impulse_ratio(const thesis::Condition& condition);
+/// Sd of the angle from those of the components and of the speed: sd(vx)² + sd(vy)² = sd(v)² + v²·sd(theta)²
+/// to first order, whatever the correlation. The bound for the next order is (sd/v)² of the value, times
+/// four.
+DerivedValue angle_sd_deg(const thesis::MeanSd& vx, const thesis::MeanSd& vy, const thesis::MeanSd& v);
+
+}  // namespace strobe::thesis

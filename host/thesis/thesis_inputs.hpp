@@ -8,12 +8,13 @@
 #include <string_view>
 #include <vector>
 
+#include "common/contact/differentiation/differentiation.hpp"
 #include "common/data/thesis_data.hpp"
 #include "common/impact/fit/contact_fit.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
 #include "host/thesis/table.hpp"
 
-namespace strobe::report {
+namespace strobe::thesis {
 
 struct ThesisInputs {
   thesis::Data printed;
@@ -54,4 +55,13 @@ const thesis::Correction* erratum(const ThesisInputs& inputs, std::string_view s
 /// Replaces the reason "unexplained" by the erratum's: misprint if it has the right value, else inconsistent.
 void explain(Cell& cell, const thesis::Correction* erratum);
 
-}  // namespace strobe::report
+// Scales that turn a set's fractions into SI units. Pure; thread-safe.
+
+/// Dwell time and distance are the condition's. The total rotation is not printed: it is computed by the
+/// contact ODE, which was fitted to velocities and spins alone; where the images rotate the other way
+/// (back_17, whose total is near zero), it is the one with which they fit the ODE best. The thesis's own
+/// totals follow from the corrected entries of its Table 13 for two sets, -51.0 degrees (zero_23) and -9.7
+/// (back_22); this gives -49.5 and -9.7.
+contact::ContactScale contact_scale(const ThesisInputs& inputs, const thesis::Condition& condition);
+
+}  // namespace strobe::thesis

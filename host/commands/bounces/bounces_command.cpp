@@ -6,10 +6,9 @@
 #include <vector>
 
 #include "common/config/files.hpp"
-#include "host/bounces/figure.hpp"
 #include "host/bounces/report.hpp"
 #include "host/commands/command.hpp"
-#include "host/thesis/figures/gnuplot.hpp"
+#include "host/figures/svg.hpp"
 
 namespace strobe::host {
 
@@ -41,9 +40,7 @@ std::string names_of(const published::Bounces& all) {
 }
 
 int draw(const std::vector<bounces::Row>& rows, const std::string& folder) {
-  const auto gnuplot = report::find_gnuplot();
-  if (!gnuplot) return failed(gnuplot.error().message);
-  const auto drawn = report::draw(bounces::spin_figure(rows), folder, *gnuplot);
+  const auto drawn = figures::write_figure(bounces::spin_figure(rows), folder, "figure_01");
   return drawn ? kDone : failed("bounces: " + drawn.error().message);
 }
 
@@ -74,9 +71,8 @@ void add_bounces_command(CLI::App& app, int& exit_status) {
       app.add_subcommand("bounces", "Predict the bounces that others have published, and compare.");
   command->add_option("--set", options->set, "Only this set, e.g. cross_2002_table_2");
   command->add_option("--data", options->data, "Folder of data sets (default: the shipped ones)");
-  command->add_option(
-      "--figure", options->figure,
-      "Draw predicted against measured spin into this folder: figure_01, .svg, .png, .gp, .csv");
+  command->add_option("--figure", options->figure,
+                      "Draw predicted against measured spin into this folder: figure_01.svg and .csv");
   command->add_flag("--json", options->json, "One JSON object a bounce");
   command->footer(
       "Example: strobe bounces --set cross_2002_table_2\n"

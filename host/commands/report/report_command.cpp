@@ -103,10 +103,10 @@ Result<void> read_for_report(const ReportOptions& options, ReportInput& input) {
 }
 
 /// Nothing is set beside where the thesis's tables are not installed.
-std::optional<report::ThesisInputs> thesis_inputs() {
+std::optional<thesis::ThesisInputs> thesis_inputs() {
   const auto share = config::share_folder();
   if (!share) return std::nullopt;
-  auto inputs = report::load_inputs(*share / "thesis", thesis::Version::corrected, "");
+  auto inputs = thesis::load_inputs(*share / "thesis", thesis::Version::corrected, "");
   if (!inputs) return std::nullopt;
   return *std::move(inputs);
 }

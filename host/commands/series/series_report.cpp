@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/data/thesis_data.hpp"
 #include "common/messages/parsed_json.hpp"
 #include "common/reduction/monte_carlo.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/config/notes.hpp"
 #include "host/series/from_session.hpp"
-#include "host/thesis/condition.hpp"
 #include "host/view/series_json.hpp"
 #include "host/view/series_view.hpp"
 
@@ -38,7 +38,7 @@ std::optional<thesis::Condition> condition_of(const std::vector<SeriesShot>& sho
     spin = note->second;
     angle = its_angle;
   }
-  return spin ? thesis_condition(*spin, *angle) : std::nullopt;
+  return spin ? thesis::shipped_condition(*spin, *angle) : std::nullopt;
 }
 
 Series series_of(const std::vector<SeriesShot>& shots) {

@@ -1,4 +1,5 @@
 // strobe thesis: recomputes every table of the thesis beside the printed values, and draws its figures.
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -11,10 +12,10 @@
 #include "common/messages/parsed_json.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
-#include "host/thesis/figures/figures.hpp"
-#include "host/thesis/figures/gnuplot.hpp"
-#include "host/thesis/tables/render.hpp"
-#include "host/thesis/tables/tables.hpp"
+#include "host/figures/svg.hpp"
+#include "host/thesis/figures.hpp"
+#include "host/thesis/table.hpp"
+#include "host/thesis/tables.hpp"
 
 namespace strobe::host {
 
@@ -34,7 +35,7 @@ struct ThesisOptions {
 
 std::string ids() {
   std::string text;
-  for (const report::TableEntry& entry : report::all_tables()) text += (text.empty() ? "" : ", ") + entry.id;
+  for (const thesis::TableEntry& entry : thesis::all_tables()) text += (text.empty() ? "" : ", ") + entry.id;
   return text;
 }
 
@@ -42,23 +43,23 @@ std::string not_empty(const std::string& text) { return text.empty() ? "must not
 
 std::string contents() {
   std::string text;
-  for (const report::TableEntry& entry : report::all_tables())
+  for (const thesis::TableEntry& entry : thesis::all_tables())
     text += "  " + entry.id + std::string(entry.id.size() < 13 ? 13 - entry.id.size() : 1, ' ') +
             entry.title + "\n";
   return text;
 }
 
 /// Tables without a row of the selected set are left out.
-int print_tables(const report::ThesisInputs& inputs, const ThesisOptions& options) {
+int print_tables(const thesis::ThesisInputs& inputs, const ThesisOptions& options) {
   bool first = true;
-  for (const report::TableEntry& entry : report::all_tables()) {
+  for (const thesis::TableEntry& entry : thesis::all_tables()) {
     if (!options.table.empty() && entry.id != options.table) continue;
-    const report::Table table = entry.make(inputs);
+    const thesis::Table table = entry.make(inputs);
     if (table.rows.empty() && !options.set.empty()) continue;
     if (options.json) {
-      std::printf("%s\n", report::json(table).c_str());
+      std::printf("%s\n", thesis::json(table).c_str());
     } else {
-      std::printf("%s%s", first ? "" : "\n", report::text(table).c_str());
+      std::printf("%s%s", first ? "" : "\n", thesis::text(table).c_str());
     }
     first = false;
   }
@@ -71,10 +72,10 @@ struct Sheet {
   std::vector<std::string> sets;
 };
 
-std::vector<Sheet> sheets(const report::ThesisInputs& inputs, const ThesisOptions& options) {
+std::vector<Sheet> sheets(const thesis::ThesisInputs& inputs, const ThesisOptions& options) {
   const fs::path folder(options.figures);
   if (!options.set.empty()) return {{folder / options.set, {options.set}}};
-  std::vector<Sheet> out{{folder, {std::begin(report::kMainSets), std::end(report::kMainSets)}}};
+  std::vector<Sheet> out{{folder, {std::begin(thesis::kMainSets), std::end(thesis::kMainSets)}}};
   if (!options.all_sets) return out;
   for (const thesis::Condition* c : inputs.conditions()) out.push_back({folder / c->name(), {c->name()}});
   return out;
@@ -86,10 +87,10 @@ void tell_progress(std::size_t done, std::size_t of, const fs::path& file) {
                terminal && done < of ? "" : "\n");
 }
 
-void tell_figure(const report::Figure& figure, const fs::path& base, bool json) {
+void tell_figure(const figures::Figure& figure, const fs::path& base, bool json) {
   if (!json) return;
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
-  for (const char* kind : {".svg", ".png", ".gp", ".csv"}) files.push_back(base.string() + kind);
+  for (const char* kind : {".svg", ".csv"}) files.push_back(base.string() + kind);
   const nlohmann::ordered_json out{{"figure", figure.number}, {"title", figure.title}, {"files", files}};
   std::printf("%s\n", messages::json_text(out).c_str());
 }
@@ -103,22 +104,21 @@ Result<void> check_folder(const fs::path& folder) {
   return {};
 }
 
-int draw_figures(const report::ThesisInputs& inputs, const ThesisOptions& options) {
+int draw_figures(const thesis::ThesisInputs& inputs, const ThesisOptions& options) {
   if (const auto usable = check_folder(options.figures); !usable) return bad_input(usable.error().message);
-  const auto gnuplot = report::find_gnuplot();
-  if (!gnuplot) return failed(gnuplot.error().message);
   catch_signals();
   const std::vector<Sheet> all = sheets(inputs, options);
-  const std::size_t of = all.size() * (report::kLastFigure - report::kFirstFigure + 1);
+  const std::size_t of = all.size() * (thesis::kLastFigure - thesis::kFirstFigure + 1);
   std::size_t done = 0;
   for (const Sheet& sheet : all) {
-    const auto figures = report::figures(inputs, sheet.sets);
-    if (!figures) return failed("thesis: " + figures.error().message);
-    for (const report::Figure& figure : *figures) {
+    const auto all_figures = thesis::make_figures(inputs, sheet.sets);
+    if (!all_figures) return failed("thesis: " + all_figures.error().message);
+    for (const figures::Figure& figure : *all_figures) {
       if (interrupted()) return failed("thesis: interrupted; the figures drawn so far are whole");
-      const fs::path base = sheet.folder / report::file_stem(figure);
+      const std::string stem = fmt::format("figure_{:02}", figure.number);
+      const fs::path base = sheet.folder / stem;
       tell_progress(++done, of, base);
-      if (const auto drawn = report::draw(figure, sheet.folder, *gnuplot); !drawn)
+      if (const auto drawn = figures::write_figure(figure, sheet.folder, stem); !drawn)
         return failed("thesis: " + drawn.error().message);
       tell_figure(figure, base, options.json);
     }
@@ -133,7 +133,7 @@ impact::ContactMethod method_of(const ThesisOptions& options) {
 }
 
 int run_thesis(const ThesisOptions& options) {
-  if (!options.table.empty() && !report::find_table(options.table))
+  if (!options.table.empty() && !thesis::find_table(options.table))
     return bad_input("thesis: no table " + options.table + "; there are " + ids());
   if (options.all_sets && options.figures.empty())
     return bad_input("thesis: --all-sets is for --figures; tables show all sets anyway");
@@ -141,7 +141,7 @@ int run_thesis(const ThesisOptions& options) {
   if (!share) return bad_input(share.error().message);
   const auto version = options.as_printed ? thesis::Version::as_printed : thesis::Version::corrected;
   const auto inputs =
-      report::load_inputs(*share / "thesis", version, options.set, {.method = method_of(options)});
+      thesis::load_inputs(*share / "thesis", version, options.set, {.method = method_of(options)});
   if (!inputs) return bad_input("thesis: " + inputs.error().message);
   return options.figures.empty() ? print_tables(*inputs, options) : draw_figures(*inputs, options);
 }
@@ -158,8 +158,8 @@ void add_thesis_command(CLI::App& app, int& exit_status) {
       command->add_option("--set", options->set, "Only this set, zero_17 to back_68; figures go to DIR/SET");
   CLI::Option* figures = command->add_option(
       "--figures", options->figures,
-      "Draw Figures 4 to 17 into DIR instead, each as .svg and .png with its data (.csv) and gnuplot script "
-      "(.gp): the three spins at 23 degrees");
+      "Draw Figures 4 to 17 into DIR instead, each as .svg with its data (.csv): the three spins at "
+      "23 degrees");
   CLI::Option* all = command->add_flag("--all-sets", options->all_sets,
                                        "With --figures: besides, each of the 21 sets by itself, in DIR/SET");
   figures->excludes(table);

@@ -47,7 +47,7 @@ int rank_of(const std::string& spin) {
 
 std::string group_label(const std::string& spin, const std::string& angle) {
   if (spin.empty() && angle.empty()) return "condition not named";
-  const std::string words = rank_of(spin) < 3 ? std::string(report::spin_phrase(spin)) : spin;
+  const std::string words = rank_of(spin) < 3 ? std::string(thesis::spin_phrase(spin)) : spin;
   if (angle.empty()) return words;
   return words.empty() ? angle + "°" : words + ", " + angle + "°";
 }

@@ -34,7 +34,7 @@ struct ReportInput {
   std::string version;  ///< of strobe
   Summarize summarize;
   /// The thesis's conditions and fitted contact mechanics; nullptr: nothing is set beside.
-  const report::ThesisInputs* thesis = nullptr;
+  const thesis::ThesisInputs* thesis = nullptr;
   /// Told of the work: done, of, and at what. Empty: nobody.
   std::function<void(std::size_t, std::size_t, const std::string&)> progress;
 };

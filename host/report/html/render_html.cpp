@@ -4,14 +4,16 @@
 
 #include <algorithm>
 
-#include "host/report/html/escape.hpp"
+#include "host/figures/escape.hpp"
+#include "host/figures/svg.hpp"
 #include "host/report/html/style.hpp"
-#include "host/report/html/svg.hpp"
 #include "host/report/model/hashes.hpp"
 
 namespace strobe::lab_report {
 
 namespace {
+
+using figures::escaped;
 
 std::string paragraph(const std::string& words, const char* kind) {
   return fmt::format("<p class=\"{}\">{}</p>\n", kind, escaped(words));
@@ -81,7 +83,8 @@ struct HtmlWriter {
   std::string operator()(const Chart& chart) const {
     return fmt::format(
         "<figure>\n<figcaption><span class=\"title\">{}</span>{}{}</figcaption>\n{}</figure>\n",
-        escaped(chart.title), chart.caption.empty() ? "" : ". ", escaped(chart.caption), svg_of(chart));
+        escaped(chart.title), chart.caption.empty() ? "" : ". ", escaped(chart.caption),
+        figures::svg_of(chart));
   }
 
   std::string operator()(const Paragraph& p) const {

@@ -8,9 +8,11 @@
 #include <variant>
 #include <vector>
 
-#include "host/report/charts/chart.hpp"
+#include "host/figures/figure.hpp"
 
 namespace strobe::lab_report {
+
+using figures::Chart;
 
 /// A word with its value. Texts are shown as they are, whatever markup they hold.
 struct Fact {

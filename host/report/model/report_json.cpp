@@ -49,15 +49,16 @@ ordered_json table_json(const Table& table) {
   return {{"title", table.title}, {"columns", columns}, {"rows", rows}, {"notes", table.notes}};
 }
 
-ordered_json axis_json(const std::string& label, const Axis& axis) {
+ordered_json axis_json(const std::string& label, const figures::Axis& axis) {
   ordered_json ticks = ordered_json::array();
-  for (const Tick& tick : axis.ticks) ticks.push_back({{"at", number(tick.at)}, {"text", tick.text}});
+  for (const figures::Tick& tick : axis.ticks)
+    ticks.push_back({{"at", number(tick.at)}, {"text", tick.text}});
   return {{"label", label}, {"low", number(axis.low)}, {"high", number(axis.high)}, {"ticks", ticks}};
 }
 
-ordered_json series_json(const report::Series& series) {
+ordered_json series_json(const figures::Series& series) {
   ordered_json points = ordered_json::array();
-  for (const report::PlotPoint& p : series.points) {
+  for (const figures::PlotPoint& p : series.points) {
     ordered_json point = ordered_json::array({number(p.x), number(p.y)});
     if (std::isfinite(p.low) || std::isfinite(p.high))
       point.insert(point.end(), {number(p.low), number(p.high)});
@@ -68,9 +69,9 @@ ordered_json series_json(const report::Series& series) {
 
 ordered_json chart_json(const Chart& chart) {
   ordered_json panels = ordered_json::array();
-  for (const ChartPanel& panel : chart.panels) {
+  for (const figures::ChartPanel& panel : chart.panels) {
     ordered_json series = ordered_json::array();
-    for (const report::Series& each : panel.panel.series) series.push_back(series_json(each));
+    for (const figures::Series& each : panel.panel.series) series.push_back(series_json(each));
     panels.push_back({{"title", panel.panel.title},
                       {"x", axis_json(panel.panel.x_label, panel.x)},
                       {"y", axis_json(panel.panel.y_label, panel.y)},

@@ -11,8 +11,8 @@
 #include "host/report/content/contact_points.hpp"
 #include "host/report/sections/parts.hpp"
 #include "host/report/sections/sections.hpp"
-#include "host/thesis/contact_scale.hpp"
-#include "host/thesis/figures/figures.hpp"
+#include "host/thesis/figures.hpp"
+#include "host/thesis/thesis_inputs.hpp"
 
 namespace strobe::lab_report {
 
@@ -97,9 +97,9 @@ ContactImages images_of(const ConditionGroup& group, double total_rotation_rad) 
 }
 
 /// The thesis's inputs with this condition in the place of its own one.
-report::ThesisInputs with(const report::ThesisInputs& thesis, const thesis::Condition& own,
+thesis::ThesisInputs with(const thesis::ThesisInputs& thesis, const thesis::Condition& own,
                           data::ContactSet set) {
-  report::ThesisInputs inputs = thesis;
+  thesis::ThesisInputs inputs = thesis;
   auto& conditions = inputs.used.conditions;
   const auto same = std::find_if(conditions.begin(), conditions.end(),
                                  [&](const thesis::Condition& c) { return c.name() == own.name(); });
@@ -123,12 +123,12 @@ std::string own_words(const std::string& text) {
   return replaced(replaced(text, "printed sd", "scatter sd"), "printed means", "means");
 }
 
-Chart chart_of(report::Figure figure, const std::string& key) {
+Chart chart_of(figures::Figure figure, const std::string& key) {
   const int number = figure.number;
   figure.title = fmt::format("As the thesis's Figure {}: {}", number, own_words(figure.title));
   figure.caption = own_words(figure.caption);
-  for (report::Panel& panel : figure.panels)
-    for (report::Series& series : panel.series) series.legend = own_words(series.legend);
+  for (figures::Panel& panel : figure.panels)
+    for (figures::Series& series : panel.series) series.legend = own_words(series.legend);
   return make_chart(fmt::format("figure_{}_{}", number, key), std::move(figure));
 }
 
@@ -136,16 +136,16 @@ void add(Section& section, const ConditionGroup& group, const ReportInput& input
   const auto own = condition_of(group);
   if (!own) return;
   auto inputs = with(*input.thesis, *own, {own->name(), {}});
-  ContactImages images = images_of(group, report::contact_scale(inputs, *own).total_rotation_rad);
+  ContactImages images = images_of(group, thesis::contact_scale(inputs, *own).total_rotation_rad);
   if (images.images < kMinImages) return;
   inputs.used.contact[own->name()] = std::move(images.set);
-  auto figures = report::figures(inputs, {own->name()});
+  auto figures = thesis::make_figures(inputs, {own->name()});
   if (!figures) return;
   section.blocks.emplace_back(
       Paragraph{"images_" + group.key, fmt::format("{}: {} images in contact of {} shots.", group.label,
                                                    images.images, group.counted.size())});
   const std::set<int> essential{4, 5, 6, 13, 16};
-  for (report::Figure& figure : *figures)
+  for (figures::Figure& figure : *figures)
     if (all || essential.contains(figure.number))
       section.blocks.emplace_back(chart_of(std::move(figure), group.key));
 }

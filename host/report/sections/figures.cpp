@@ -10,13 +10,14 @@ namespace strobe::lab_report {
 
 namespace {
 
+using figures::Figure;
+using figures::Panel;
+using figures::PlotPoint;
+using figures::Series;
+using figures::Stroke;
+using figures::Symbol;
 using reduction::Quantity;
-using report::Figure;
-using report::Panel;
-using report::PlotPoint;
-using report::Series;
-using report::Stroke;
-namespace colours = report::colours;
+namespace colours = figures::colours;
 
 constexpr Quantity kRunCharts[] = {Quantity::v_td_mps,
                                    Quantity::theta_in_deg,
@@ -33,7 +34,10 @@ const char* colour_of(const std::string& spin) {
   return spin == "back" ? colours::kBack : colours::kZero;
 }
 
-int symbol_of(const std::string& spin) { return spin == "top" ? 9 : spin == "back" ? 5 : 7; }
+Symbol symbol_of(const std::string& spin) {
+  if (spin == "top") return Symbol::triangle;
+  return spin == "back" ? Symbol::square : Symbol::circle;
+}
 
 Series level(const char* what, double y, double to, Stroke stroke, const char* colour, bool legend) {
   return {.name = what,
@@ -55,11 +59,11 @@ Panel run_panel(const Content& content, const ConditionGroup& group, Quantity q,
                 .legend = "",
                 .stroke = Stroke::points,
                 .colour = "#999999",
-                .symbol = symbol_of(group.spin) - 1};
+                .symbol = open_symbol(symbol_of(group.spin))};
   for (std::size_t i = 0; i < group.shots.size(); ++i) {
     const auto& readout = group.shots[i].shot->result.readout;
     if (!readout.value[q]) continue;
-    const double y = *readout.value[q], sd = readout.sd[q].value_or(report::kNoValue);
+    const double y = *readout.value[q], sd = readout.sd[q].value_or(figures::kNoValue);
     (group.shots[i].counts ? counted : others)
         .points.push_back({static_cast<double>(i + 1), y, y - sd, y + sd});
   }
@@ -98,7 +102,7 @@ Chart run_chart(const Content& content, const ConditionGroup& group) {
 Panel scatter_panel(const Content& content, Quantity x, Quantity y, bool legend) {
   Panel panel{.x_label = axis_name(x), .y_label = axis_name(y)};
   for (const char* spin : {"zero", "top", "back", ""}) {
-    const std::string words = *spin ? std::string(report::spin_phrase(spin)) : "other";
+    const std::string words = *spin ? std::string(thesis::spin_phrase(spin)) : "other";
     Series own{.name = words,
                .legend = {},
                .stroke = Stroke::points,
@@ -149,7 +153,11 @@ Chart scatter_chart(const Content& content, const char* key, std::string title,
   for (const auto& [x, y] : pairs) {
     const bool legend = figure.panels.empty();
     Panel panel = scatter_panel(content, x, y, legend);
-    Series beside{.name = "thesis", .legend = "", .stroke = Stroke::points, .colour = "#999999", .symbol = 6};
+    Series beside{.name = "thesis",
+                  .legend = "",
+                  .stroke = Stroke::points,
+                  .colour = "#999999",
+                  .symbol = Symbol::open_circle};
     for (const ConditionGroup& group : content.conditions) {
       if (!group.thesis) continue;
       const thesis::MeanSd &at = printed(*group.thesis, x), &of = printed(*group.thesis, y);

@@ -179,7 +179,7 @@ void add_tables(Section& section, const Content& content) {
       if (group.spin == spin) groups.push_back(&group);
     ++number;
     const bool known = spin == "zero" || spin == "top" || spin == "back";
-    const std::string spin_words = known ? std::string(report::spin_phrase(spin)) : spin;
+    const std::string spin_words = known ? std::string(thesis::spin_phrase(spin)) : spin;
     for (const Kind& kind : kinds(content.input.all))
       section.blocks.emplace_back(table_of(groups, kind, spin, spin_words, number));
   }

@@ -12,10 +12,10 @@
 namespace strobe::web {
 namespace {
 
-std::optional<report::ThesisInputs> shipped_thesis() {
+std::optional<thesis::ThesisInputs> shipped_thesis() {
   const auto share = config::share_folder();
   if (!share) return std::nullopt;
-  auto inputs = report::load_inputs(*share / "thesis", thesis::Version::corrected, "");
+  auto inputs = thesis::load_inputs(*share / "thesis", thesis::Version::corrected, "");
   return inputs ? std::optional(std::move(*inputs)) : std::nullopt;
 }
 

@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "common/data/thesis_data.hpp"
 #include "common/messages/or_null.hpp"
 #include "host/series/individuals_chart.hpp"
-#include "host/thesis/condition.hpp"
 #include "host/view/series_json.hpp"
 #include "host/view/thesis_row.hpp"
 
@@ -73,7 +73,7 @@ std::optional<thesis::Condition> condition_of(std::span<const ShotRow> rows) {
     if (first == nullptr) first = &row;
     if (row.spin != first->spin || *row.angle_deg != *first->angle_deg) return std::nullopt;
   }
-  return first != nullptr ? host::thesis_condition(first->spin, *first->angle_deg) : std::nullopt;
+  return first != nullptr ? thesis::shipped_condition(first->spin, *first->angle_deg) : std::nullopt;
 }
 
 }  // namespace strobe::web

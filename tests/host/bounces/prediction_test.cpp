@@ -7,8 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "host/bounces/balance.hpp"
-#include "host/bounces/figure.hpp"
+#include "common/flight/gravity.hpp"
 #include "host/bounces/report.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -114,8 +113,8 @@ TEST(PublishedPrediction, TheWeightAlongAnInclinedSurfaceSpeedsTheBallUp) {
   Case inclined = cross("emery_45"), level = inclined;
   level.bounce.incline_deg.reset();
   level.friction_row->incline_deg.reset();
-  DOUBLES_EQUAL(9.81 * std::sin(std::numbers::pi / 4.0), weight_of(inclined.bounce).along_mps2, 1e-12);
-  DOUBLES_EQUAL(9.81 * std::cos(std::numbers::pi / 4.0), weight_of(inclined.bounce).into_mps2, 1e-12);
+  DOUBLES_EQUAL(flight::kStandardGravity_mps2 * std::sin(std::numbers::pi / 4.0), weight_of(inclined.bounce).along_mps2, 1e-12);
+  DOUBLES_EQUAL(flight::kStandardGravity_mps2 * std::cos(std::numbers::pi / 4.0), weight_of(inclined.bounce).into_mps2, 1e-12);
   DOUBLES_EQUAL(0.0, weight_of(level.bounce).along_mps2, 0.0);
   // A gripping ball takes on 1/(1 + alpha) to all of g·sin(45)·5 ms = .035 m/s, depending on when it grips.
   const double faster =
@@ -202,7 +201,7 @@ TEST(PublishedAgreement, TheFigureHoldsEveryBounceOfItsKindOfBall) {
     CHECK(of_set.has_value());
     rows.insert(rows.end(), of_set->begin(), of_set->end());
   }
-  const report::Figure figure = spin_figure(rows);
+  const figures::Figure figure = spin_figure(rows);
   LONGS_EQUAL(2, figure.panels.size());
   const auto& tennis = figure.panels[0].series;
   LONGS_EQUAL(1 + 4, tennis.size());  // the line of agreement, then the models

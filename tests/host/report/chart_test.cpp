@@ -5,19 +5,15 @@
 #include <cmath>
 #include <limits>
 
-#include "host/report/charts/chart.hpp"
-#include "host/report/html/svg.hpp"
+#include "host/figures/figure.hpp"
+#include "host/figures/svg.hpp"
 #include "tests/host/report/parsed_html.hpp"
 #include "tests/support/string_from.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 #include <CppUTest/TestHarness.h>
 
-using namespace strobe::lab_report;
-using strobe::report::Figure;
-using strobe::report::Panel;
-using strobe::report::PlotPoint;
-using strobe::report::Series;
-using strobe::report::Stroke;
+using namespace strobe::figures;
 using strobe::report_test::parse_html;
 
 namespace {
@@ -89,7 +85,33 @@ TEST(ReportAxis, HoldsAnyValuesWithAHandfulOfTicksWithin) {
   }));
 }
 
+TEST(ReportAxis, ALogarithmicOneHasTicksAtPowersOfTenOrCloser) {
+  CHECK_EQUAL(std::string("0.001 0.01 0.1 1 10 100"), ticks_of(log_axis_for({1e-3, 0.5, 0.0, -1.0, kNone, 120.0})));
+  CHECK_EQUAL(std::string("1e-12 1e-10 1e-08 1e-06 0.0001 0.01 1"), ticks_of(log_axis_for({1e-12, 2.0})));
+  CHECK_EQUAL(std::string("2 5 10"), ticks_of(log_axis_for({1.5, 11.0})));
+  const Axis axis = log_axis_for({1e-3, 120.0});
+  CHECK(axis.low < 1e-3 && axis.high > 120.0);
+  DOUBLES_EQUAL(0.5, axis.position(std::sqrt(axis.low * axis.high)), 1e-12);
+  CHECK(log_axis_for({}).low > 0.0);
+}
+
 TEST_GROUP(ReportChart){};
+
+TEST(ReportChart, IsWrittenWithItsNumbersToAFolderThatIsMadeForIt) {
+  const strobe::testing::TemporaryFolder folder;
+  Panel panel{.title = "t", .x_label = "x, m", .y_label = "y, m"};
+  panel.series = {{.name = "a, b", .legend = "a", .stroke = Stroke::points, .colour = "#000000", .points = {{0.1, 0.2, 0.15, 0.25}}},
+                  {.name = "line", .legend = "l", .colour = "#000000", .points = {{0, 0}, {1, 1}}}};
+  const Figure figure{.number = 4, .title = "Bob's <ball>", .caption = "c", .panels = {panel}};
+  CHECK(write_figure(figure, folder / "new" / "folder", "figure_04").has_value());
+  CHECK_EQUAL(std::string("series,x,y,low,high\na; b,0.1,0.2,0.15,0.25\n\n\nline,0,0,,\nline,1,1,,\n"),
+              strobe::testing::read_text(folder / "new" / "folder" / "figure_04.csv"));
+  const auto parsed = parse_html(strobe::testing::read_text(folder / "new" / "folder" / "figure_04.svg"));
+  CHECK_TEXT(parsed.well_formed, parsed.problem.c_str());
+  CHECK(parsed.text.starts_with("Figure 4. Bob's <ball>\nc\n"));
+  strobe::testing::write_text(folder / "file", "");
+  STRCMP_CONTAINS("inside: cannot be made", write_figure(figure, folder / "file" / "inside", "f").error().message.c_str());
+}
 
 TEST(ReportChart, DrawsAMarkForEachPointAndABarForEachSd) {
   const auto parsed = drawn(chart_of({{1.0, 2.0, 1.5, 2.5}, {2.0, 3.0, 2.5, 3.5}, {3.0, kNone}}));

@@ -2,13 +2,13 @@
 #include <glib.h>
 #include <rapidcheck.h>
 
-#include "host/report/html/escape.hpp"
+#include "host/figures/escape.hpp"
 #include "tests/host/report/parsed_html.hpp"
 #include "tests/support/string_from.hpp"
 
 #include <CppUTest/TestHarness.h>
 
-using strobe::lab_report::escaped;
+using strobe::figures::escaped;
 using strobe::report_test::parse_html;
 
 namespace {

@@ -66,8 +66,8 @@ std::string text_of(const Report& report) {
   return parsed.text;
 }
 
-report::ThesisInputs loaded_thesis() {
-  auto inputs = report::load_inputs(STROBE_THESIS_FOLDER, thesis::Version::corrected, "");
+thesis::ThesisInputs loaded_thesis() {
+  auto inputs = thesis::load_inputs(STROBE_THESIS_FOLDER, thesis::Version::corrected, "");
   CHECK_TEXT(inputs.has_value(), inputs ? "" : inputs.error().message.c_str());
   return *std::move(inputs);
 }

@@ -1,25 +1,20 @@
 #include <cmath>
-#include <filesystem>
-#include <set>
 #include <string>
 
-#include "host/thesis/figures/figures.hpp"
-#include "host/thesis/figures/gnuplot.hpp"
+#include "host/thesis/figures.hpp"
 #include "tests/host/thesis/loaded_thesis.hpp"
-#include "tests/support/temporary_folder.hpp"
 
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;
-using namespace strobe::report;
+using namespace strobe::thesis;
+using namespace strobe::figures;
 using strobe::testing::loaded_thesis;
-using strobe::testing::TemporaryFolder;
-namespace fs = std::filesystem;
 
 namespace {
 
 std::vector<Figure> figures_of(const std::vector<std::string>& sets) {
-  const auto all = figures(loaded_thesis(thesis::Version::corrected), sets);
+  const auto all = make_figures(loaded_thesis(thesis::Version::corrected), sets);
   CHECK_TEXT(all.has_value(), all ? "" : all.error().message.c_str());
   return *all;
 }
@@ -41,21 +36,6 @@ void check_whole(const Figure& figure) {
       }
     }
   }
-}
-
-Figure simple() {
-  Figure figure{.number = 4, .title = "Bob's ball", .caption = "c"};
-  figure.panels = {
-      {.title = "t",
-       .x_label = "x, m",
-       .y_label = "y, m",
-       .series = {{.name = "a, b",
-                   .legend = "a",
-                   .stroke = Stroke::points,
-                   .colour = "#000000",
-                   .points = {{0.1, 0.2, 0.15, 0.25}}},
-                  {.name = "line", .legend = "l", .colour = "#000000", .points = {{0, 0}, {1, 1}}}}}};
-  return figure;
 }
 
 }  // namespace
@@ -109,43 +89,4 @@ TEST(ThesisFigures, DrawTheDistanceThatTheClosedFormGives) {
     }
   }
   LONGS_EQUAL(1, drawn);
-}
-
-TEST_GROUP(Gnuplot) { TemporaryFolder folder; };
-
-TEST(Gnuplot, IsGivenDataInColumnsAndTextInQuotes) {
-  const Figure figure = simple();
-  CHECK_EQUAL("series,x,y,low,high\na; b,0.1,0.2,0.15,0.25\n\n\nline,0,0,,\nline,1,1,,\n", csv_text(figure));
-  CHECK(script_text(figure).find("'Figure 4. Bob''s ball'") != std::string::npos);
-}
-
-TEST(Gnuplot, DrawsSvgAndPngAndLeavesDataAndScriptBesideThem) {
-  const auto gnuplot = find_gnuplot();
-  CHECK_TEXT(gnuplot.has_value(), gnuplot ? "" : gnuplot.error().message.c_str());
-  const auto drawn = draw(simple(), folder / "new" / "folder", *gnuplot);
-  CHECK_TEXT(drawn.has_value(), drawn ? "" : drawn.error().message.c_str());
-  std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder / "new" / "folder"))
-    names.insert(entry.path().filename().string());
-  CHECK_EQUAL((std::set<std::string>{"figure_04.csv", "figure_04.gp", "figure_04.png", "figure_04.svg"}),
-              names);
-}
-
-TEST(Gnuplot, ThatFailsLeavesNothing) {
-  const auto drawn = draw(simple(), folder / "out", "/bin/false");
-  CHECK_FALSE(drawn.has_value());
-  CHECK(drawn.error().message.find("figure_04.gp") != std::string::npos);
-  CHECK(fs::is_empty(folder / "out"));
-}
-
-TEST(Gnuplot, ThatDrawsNothingIsNoticed) {
-  const auto drawn = draw(simple(), folder / "out", "/bin/true");
-  CHECK_EQUAL("gnuplot did not finish figure_04.svg: no message", drawn.error().message);
-  CHECK(fs::is_empty(folder / "out"));
-}
-
-TEST(Gnuplot, NeedsAFolder) {
-  strobe::testing::write_text(folder / "file", "");
-  const auto drawn = draw(simple(), folder / "file" / "inside", "/bin/true");
-  CHECK(drawn.error().message.find("inside: cannot be made") != std::string::npos);
 }

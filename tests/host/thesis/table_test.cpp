@@ -2,11 +2,10 @@
 #include <string>
 
 #include "host/thesis/table.hpp"
-#include "host/thesis/tables/render.hpp"
 
 #include "tests/support/string_from.hpp"
 
-using namespace strobe::report;
+using namespace strobe::thesis;
 
 namespace {
 
@@ -60,7 +59,7 @@ TEST(ThesisTable, OnlyLargerThanRoundingCountsAsADifference) {
 }
 
 TEST(ThesisTable, TextShowsBothValuesMarksTheDifferenceAndTellsItsReason) {
-  const std::string text = strobe::report::text(example());
+  const std::string text = strobe::thesis::text(example());
   CHECK(contains(text, "Table 5. Speeds\n"));
   CHECK(contains(text, "zero_17  printed  11.73 ± 0.34"));
   CHECK(contains(text, "11.87*"));

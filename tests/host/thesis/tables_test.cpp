@@ -6,9 +6,9 @@
 
 #include "common/contact/condition_inputs.hpp"
 #include "common/data/csv.hpp"
-#include "host/thesis/contact_scale.hpp"
-#include "host/thesis/tables/render.hpp"
-#include "host/thesis/tables/tables.hpp"
+#include "host/thesis/thesis_inputs.hpp"
+#include "host/thesis/table.hpp"
+#include "host/thesis/tables.hpp"
 #include "tests/host/thesis/loaded_thesis.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -16,7 +16,7 @@
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;
-using namespace strobe::report;
+using namespace strobe::thesis;
 using strobe::testing::load_thesis;
 using strobe::testing::loaded_thesis;
 using thesis::Version;

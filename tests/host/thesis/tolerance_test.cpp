@@ -7,12 +7,12 @@
 #include <functional>
 
 #include "common/units/angles.hpp"
-#include "host/thesis/tables/tolerance.hpp"
+#include "host/thesis/table.hpp"
 
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
-using namespace strobe::report;
+using namespace strobe::thesis;
 using thesis::MeanSd;
 
 namespace {

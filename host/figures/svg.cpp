@@ -1,19 +1,16 @@
-#include "host/report/html/svg.hpp"
+#include "host/figures/svg.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "host/report/html/escape.hpp"
+#include "common/config/files.hpp"
+#include "host/figures/escape.hpp"
 
-namespace strobe::lab_report {
+namespace strobe::figures {
 
 namespace {
-
-using report::PlotPoint;
-using report::Series;
-using report::Stroke;
 
 // In units of the drawing, whose width is the page's.
 constexpr double kWidth = 720.0;
@@ -31,8 +28,8 @@ struct Frame {
   const Axis& x;
   const Axis& y;
 
-  double at_x(double value) const { return left + (value - x.low) / (x.high - x.low) * (right - left); }
-  double at_y(double value) const { return bottom - (value - y.low) / (y.high - y.low) * (bottom - top); }
+  double at_x(double value) const { return left + x.position(value) * (right - left); }
+  double at_y(double value) const { return bottom - y.position(value) * (bottom - top); }
   bool holds(const PlotPoint& p) const {
     const double slack_x = 1e-9 * (x.high - x.low), slack_y = 1e-9 * (y.high - y.low);
     return p.x >= x.low - slack_x && p.x <= x.high + slack_x && p.y >= y.low - slack_y &&
@@ -67,20 +64,17 @@ const char* dashes(Stroke stroke) {
   }
 }
 
-/// gnuplot's numbers: even ones are open, and its pairs are square, circle, triangle, triangle downwards, diamond.
-std::string mark(double x, double y, int symbol, const std::string& colour) {
-  const bool open = symbol % 2 == 0;
+std::string mark(double x, double y, Symbol symbol, const std::string& colour) {
+  const bool is_open = symbol >= Symbol::open_circle;
   const std::string paint =
-      fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1\"", open ? "#ffffff" : colour, colour);
+      fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1\"", is_open ? "#ffffff" : colour, colour);
   const double s = kMark;
-  if (symbol == 4 || symbol == 5)
+  if (symbol == Symbol::square || symbol == Symbol::open_square)
     return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" {}/>\n", x - s, y - s,
                        2 * s, 2 * s, paint);
-  if (symbol >= 8 && symbol <= 11) {
-    const double up = symbol <= 9 ? 1.0 : -1.0;
-    return fmt::format("<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}L{:.1f} {:.1f}Z\" {}/>\n", x, y - up * s * 1.2,
-                       x + s * 1.1, y + up * s, x - s * 1.1, y + up * s, paint);
-  }
+  if (symbol == Symbol::triangle || symbol == Symbol::open_triangle)
+    return fmt::format("<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}L{:.1f} {:.1f}Z\" {}/>\n", x, y - s * 1.2,
+                       x + s * 1.1, y + s, x - s * 1.1, y + s, paint);
   return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" {}/>\n", x, y, s, paint);
 }
 
@@ -186,9 +180,8 @@ std::string legend_of(const std::vector<const Series*>& entries, int columns, do
   return out;
 }
 
-}  // namespace
-
-std::string svg_of(const Chart& chart) {
+/// above: room for a title over the panels, drawn as `head`.
+std::string drawing(const Chart& chart, double above, const std::string& head) {
   const int columns =
       std::max(1, std::min(chart.columns, std::max(1, static_cast<int>(chart.panels.size()))));
   const double width = kWidth / columns, height = panel_height(columns);
@@ -199,22 +192,60 @@ std::string svg_of(const Chart& chart) {
   std::string body;
   for (std::size_t i = 0; i < chart.panels.size(); ++i) {
     const double x = width * static_cast<double>(i % static_cast<std::size_t>(columns));
-    const double y = height * static_cast<double>(i / static_cast<std::size_t>(columns));
+    const double y = above + height * static_cast<double>(i / static_cast<std::size_t>(columns));
     const ChartPanel& panel = chart.panels[i];
     const Frame frame{x + kLeft, y + kTop, x + width - kRight, y + height - kBottom, panel.x, panel.y};
     body += panel_of(panel, frame);
   }
   const auto rows =
       (chart.panels.size() + static_cast<std::size_t>(columns) - 1) / static_cast<std::size_t>(columns);
-  const double below = height * static_cast<double>(rows);
+  const double below = above + height * static_cast<double>(rows);
   const int legend_columns = std::max(1, chart.legend_columns);
   const auto lines = (entries.size() + static_cast<std::size_t>(legend_columns) - 1) /
                      static_cast<std::size_t>(legend_columns);
   const double total = below + kLegendLine * static_cast<double>(lines) + 4.0;
   return fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {:.0f}\" width=\"{}\" height=\"{:.0f}\" "
-      "role=\"img\" font-family=\"sans-serif\" fill=\"#222222\" aria-label=\"{}\">\n{}{}</svg>\n",
-      kWidth, total, kWidth, total, escaped(chart.title), body, legend_of(entries, legend_columns, below));
+      "role=\"img\" font-family=\"sans-serif\" fill=\"#222222\" aria-label=\"{}\">\n{}{}{}</svg>\n",
+      kWidth, total, kWidth, total, escaped(chart.title), head, body,
+      legend_of(entries, legend_columns, below));
 }
 
-}  // namespace strobe::lab_report
+std::string number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); }
+
+}  // namespace
+
+std::string svg_of(const Chart& chart) { return drawing(chart, 0.0, ""); }
+
+std::string csv_text(const Figure& figure) {
+  std::string out = "series,x,y,low,high\n";
+  bool first = true;
+  for (const Panel& panel : figure.panels) {
+    for (const Series& s : panel.series) {
+      if (!first) out += "\n\n";
+      first = false;
+      std::string name = s.name;
+      std::ranges::replace(name, ',', ';');
+      for (const PlotPoint& p : s.points)
+        out += fmt::format("{},{},{},{},{}\n", name, number(p.x), number(p.y), number(p.low), number(p.high));
+    }
+  }
+  return out;
+}
+
+Result<void> write_figure(const Figure& figure, const std::filesystem::path& folder,
+                          const std::string& stem) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail(folder.string() + ": cannot be made: " + error.message());
+  constexpr double kHead = 44.0;
+  const std::string title =
+      figure.number > 0 ? fmt::format("Figure {}. {}", figure.number, figure.title) : figure.title;
+  const std::string head = "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n" +
+                           text(12, 18, "start", 13, title, " font-weight=\"bold\"") +
+                           text(12, 34, "start", 10, figure.caption, " fill=\"#555555\"");
+  if (auto written = config::write_file(folder / (stem + ".csv"), csv_text(figure)); !written) return written;
+  return config::write_file(folder / (stem + ".svg"), drawing(make_chart(stem, figure), kHead, head));
+}
+
+}  // namespace strobe::figures

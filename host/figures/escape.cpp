@@ -1,8 +1,8 @@
-#include "host/report/html/escape.hpp"
+#include "host/figures/escape.hpp"
 
 #include <glib.h>
 
-namespace strobe::lab_report {
+namespace strobe::figures {
 
 namespace {
 
@@ -57,4 +57,4 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-}  // namespace strobe::lab_report
+}  // namespace strobe::figures

@@ -9,7 +9,7 @@
 #include "host/thesis/table.hpp"
 #include "host/thesis/thesis_inputs.hpp"
 
-namespace strobe::report {
+namespace strobe::thesis {
 
 /// Tables 2–4, 5–7 and 8–10.
 Table incoming_table(const ThesisInputs& inputs, int number, std::string_view spin);
@@ -65,4 +65,4 @@ const std::vector<TableEntry>& all_tables();
 /// Returns nullptr if there is none of that id.
 const TableEntry* find_table(std::string_view id);
 
-}  // namespace strobe::report
+}  // namespace strobe::thesis

@@ -1,11 +1,12 @@
-#include "host/report/charts/chart.hpp"
+#include "host/figures/figure.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
-namespace strobe::lab_report {
+namespace strobe::figures {
 
 namespace {
 
@@ -31,10 +32,10 @@ std::string tick_text(double at, double step) {
   return fmt::format("{:.{}f}", at, std::max(0, decimals));
 }
 
-std::vector<double> values_of(const report::Panel& panel, bool of_x) {
+std::vector<double> values_of(const Panel& panel, bool of_x) {
   std::vector<double> values;
-  for (const report::Series& series : panel.series) {
-    for (const report::PlotPoint& p : series.points) {
+  for (const Series& series : panel.series) {
+    for (const PlotPoint& p : series.points) {
       if (of_x) {
         values.push_back(p.x);
         continue;
@@ -47,7 +48,9 @@ std::vector<double> values_of(const report::Panel& panel, bool of_x) {
   return values;
 }
 
-Axis axis_of(const report::Panel& panel, const std::optional<std::pair<double, double>>& range, bool of_x) {
+/// Where no range is stated, or it cannot be drawn, by the values.
+Axis axis_of(const Panel& panel, const std::optional<std::pair<double, double>>& range, bool of_x) {
+  if (of_x ? panel.log_x : panel.log_y) return log_axis_for(values_of(panel, of_x));
   if (range && drawable(range->first) && drawable(range->second) && range->first < range->second)
     return axis_between(range->first, range->second);
   return axis_for(values_of(panel, of_x));
@@ -56,24 +59,30 @@ Axis axis_of(const report::Panel& panel, const std::optional<std::pair<double, d
 /// At most kMaxNames of them.
 Axis named_axis(const std::vector<std::string>& names) {
   const int count = static_cast<int>(names.size());
-  Axis axis{.low = 0.5, .high = std::max(1, count) + 0.5, .ticks = {}};
+  Axis axis{.low = 0.5, .high = std::max(1, count) + 0.5};
   const int step = (count + kMaxNames - 1) / kMaxNames;
   for (int i = 0; i < count; i += std::max(1, step))
     axis.ticks.push_back({i + 1.0, names[static_cast<std::size_t>(i)]});
   return axis;
 }
 
-bool has_point(const report::Panel& panel) {
-  for (const report::Series& series : panel.series)
-    for (const report::PlotPoint& p : series.points)
+bool has_point(const Panel& panel) {
+  for (const Series& series : panel.series)
+    for (const PlotPoint& p : series.points)
       if (drawable(p.x) && drawable(p.y)) return true;
   return false;
 }
 
 }  // namespace
 
+double Axis::position(double value) const {
+  assert(low < high);
+  if (logarithmic) return std::log(value / low) / std::log(high / low);
+  return (value - low) / (high - low);
+}
+
 Axis axis_between(double low, double high) {
-  Axis axis{.low = low, .high = high, .ticks = {}};
+  Axis axis{.low = low, .high = high};
   const double step = round_step(high - low);
   const double first = std::ceil(low / step - 1e-9);
   for (int i = 0; i < 20; ++i) {
@@ -101,14 +110,37 @@ Axis axis_for(const std::vector<double>& values) {
   return axis_between(low - kMargin * span, high + kMargin * span);
 }
 
-Chart make_chart(std::string key, report::Figure figure, const std::vector<std::string>& x_names) {
+Axis log_axis_for(const std::vector<double>& values) {
+  double low = kLargest, high = 0.0;
+  for (const double value : values) {
+    if (!drawable(value) || !(value >= 1.0 / kLargest)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  if (low > high) low = 0.1, high = 1.0;
+  const double room = std::pow(std::max(high / low, 2.0), kMargin);
+  Axis axis{.low = low / room, .high = high * room, .logarithmic = true};
+  const double decades = std::log10(axis.high / axis.low);
+  const int step = static_cast<int>(std::ceil(decades / 10.0));
+  for (int power = static_cast<int>(std::floor(std::log10(axis.low))); std::pow(10.0, power) <= axis.high;
+       power += step) {
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      const double at = factor * std::pow(10.0, power);
+      if (factor > 1.0 && decades > 2.0) break;
+      if (at >= axis.low && at <= axis.high) axis.ticks.push_back({at, fmt::format("{:g}", at)});
+    }
+  }
+  return axis;
+}
+
+Chart make_chart(std::string key, Figure figure, const std::vector<std::string>& x_names) {
   Chart chart{.key = std::move(key),
               .title = std::move(figure.title),
               .caption = std::move(figure.caption),
               .columns = std::clamp(figure.columns, 1, 4),
               .legend_columns = std::max(1, figure.legend_columns),
               .panels = {}};
-  for (report::Panel& panel : figure.panels) {
+  for (Panel& panel : figure.panels) {
     ChartPanel out;
     out.x = x_names.empty() ? axis_of(panel, panel.x_range, true) : named_axis(x_names);
     out.y = axis_of(panel, panel.y_range, false);
@@ -119,4 +151,4 @@ Chart make_chart(std::string key, report::Figure figure, const std::vector<std::
   return chart;
 }
 
-}  // namespace strobe::lab_report
+}  // namespace strobe::figures

@@ -7,15 +7,16 @@
 #include <vector>
 
 #include "common/result.hpp"
-#include "host/thesis/figures/plot.hpp"
+#include "host/figures/figure.hpp"
 #include "host/thesis/thesis_inputs.hpp"
 
-namespace strobe::report {
+namespace strobe::thesis {
 
 inline constexpr int kFirstFigure = 4;
 inline constexpr int kLastFigure = 17;
 
 /// All of them for the sets given, overlaid or beside each other: the thesis's three (kMainSets), or one.
-Result<std::vector<Figure>> figures(const ThesisInputs& inputs, const std::vector<std::string>& sets);
+Result<std::vector<figures::Figure>> make_figures(const ThesisInputs& inputs,
+                                                  const std::vector<std::string>& sets);
 
-}  // namespace strobe::report
+}  // namespace strobe::thesis

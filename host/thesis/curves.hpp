@@ -10,10 +10,10 @@
 #include "common/contact/differentiation/constrained_motion.hpp"
 #include "common/impact/fit/contact_fit.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
-#include "host/thesis/figures/plot.hpp"
+#include "host/figures/figure.hpp"
 #include "host/thesis/thesis_inputs.hpp"
 
-namespace strobe::report {
+namespace strobe::thesis {
 
 /// Quantities drawn over time, in the units of their names.
 enum class Quantity { x_cm, y_mm, rotation_deg, vx_mps, vy_mps, omega_radps, slip_mps, fx_n, fy_n };
@@ -48,14 +48,15 @@ Result<SetCurves> set_curves(const ThesisInputs& inputs, const std::string& set)
 inline constexpr int kCurveSteps = 120;
 
 /// Images between the end points, with one residual sd about the cubic as bar; only for x, y and rotation.
-std::vector<PlotPoint> measured(const SetCurves& curves, Quantity quantity);
+std::vector<figures::PlotPoint> measured(const SetCurves& curves, Quantity quantity);
 
 /// The means at touchdown and lift-off with their printed sd; only for velocities, spin and slip.
-std::vector<PlotPoint> measured_ends(const SetCurves& curves, Quantity quantity);
+std::vector<figures::PlotPoint> measured_ends(const SetCurves& curves, Quantity quantity);
 
 /// The approach's curve from touchdown to lift-off, optionally with a band of one sd: of the fit for
 /// differentiation, of a single shot by the printed sds for integration. Empty where the approach does not
 /// have the quantity.
-std::vector<PlotPoint> curve(const SetCurves& curves, Approach approach, Quantity quantity, bool band);
+std::vector<figures::PlotPoint> curve(const SetCurves& curves, Approach approach, Quantity quantity,
+                                      bool band);
 
-}  // namespace strobe::report
+}  // namespace strobe::thesis

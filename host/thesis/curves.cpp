@@ -1,14 +1,17 @@
-#include "host/thesis/figures/curves.hpp"
+#include "host/thesis/curves.hpp"
 
 #include <array>
 #include <cmath>
 
 #include "common/units/angles.hpp"
-#include "host/thesis/contact_scale.hpp"
+#include "host/thesis/thesis_inputs.hpp"
 
-namespace strobe::report {
+namespace strobe::thesis {
 
 namespace {
+
+using figures::kNoValue;
+using figures::PlotPoint;
 
 using contact::SpinPulse;
 using contact::SpinPulseInput;
@@ -288,4 +291,4 @@ std::vector<PlotPoint> curve(const SetCurves& c, Approach approach, Quantity qua
   return integrated(c, approach, quantity, band);
 }
 
-}  // namespace strobe::report
+}  // namespace strobe::thesis
