@@ -58,5 +58,5 @@ set(CPACK_DEBIAN_STROBE_DESCRIPTION "strobe fires series of shots at a rig that 
 photographs and shows velocities, spin, restitution and friction after each
 shot. strobe-sim stands in for the rig. The LCM message types are included, also
 as Python modules and, where a JDK was there, as a jar for lcm-spy.")
-set(CPACK_DEBIAN_STROBE_PACKAGE_SUGGESTS "strobed, gnuplot-nox, python3-numpy, parallel, liblcm-java")
+set(CPACK_DEBIAN_STROBE_PACKAGE_SUGGESTS "strobed, python3-numpy, parallel, liblcm-java")
 include(CPack)

@@ -23,8 +23,6 @@
 #include "common/reduction/reduce.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
-#include "host/commands/frontier/frontier_files.hpp"
-#include "host/commands/reduce/reduce_choice.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/series/budget_lines.hpp"
@@ -45,16 +43,9 @@ struct ReduceOptions {
   std::string estimator = "best";
   std::string flight = "auto";
   std::string noise = "stated";
-  std::string tolerance;  ///< as written; empty: none
-  std::optional<double> deadline_us;
-  std::string frontier_file;  ///< empty: the shipped one
-  bool estimator_given = false;
-  bool flight_given = false;
   bool json = false;
   bool all = false;
   bool budget = false;
-
-  bool chooses() const { return !tolerance.empty() || deadline_us.has_value(); }
 };
 
 reduction::ReduceOptions reduction_options(const std::string& flight, const std::string& noise) {
@@ -69,14 +60,12 @@ reduction::ReduceOptions reduction_options(const std::string& flight, const std:
 /// Prints what comes and remembers what did not.
 class Reducer {
  public:
-  /// `chooser`: absent if the estimator is stated.
-  Reducer(const ReduceOptions& options, std::optional<EstimatorChooser> chooser)
+  explicit Reducer(const ReduceOptions& options)
       : json_(options.json),
         all_(options.all),
         budget_(options.budget),
         estimator_(*reduction::estimator_from_name(options.estimator)),
-        options_(reduction_options(options.flight, options.noise)),
-        chooser_(std::move(chooser)) {}
+        options_(reduction_options(options.flight, options.noise)) {}
 
   Result<void> frames(const std::string& file) {
     std::ifstream opened;
@@ -105,7 +94,7 @@ class Reducer {
       ++number;
       if (!frame) {
         bad(frame.error().message);
-      } else if (!chooser_ && estimator_ == reduction::Estimator::legacy) {
+      } else if (estimator_ == reduction::Estimator::legacy) {
         put(reduction::reduce_legacy(*frame), file + ": ");
       } else {
         reduce(reduction::frame_from_legacy(*frame), fmt::format("{}: frame {}: ", file, number));
@@ -115,7 +104,6 @@ class Reducer {
   }
 
   int conclude() const {
-    if (chooser_ && timed_ > 0) std::fputs(timing().c_str(), stderr);
     if (!json_ && series_.counted() > 1) print(render_series(series_, std::nullopt, kPlainWidth, all_));
     if (bad_ == 0) return kDone;
     return reduced_ > 0 ? kFailed : kBadInput;
@@ -128,11 +116,7 @@ class Reducer {
   }
 
   void reduce(const reduction::Frame& frame, const std::string& place) {
-    if (!chooser_) return put(reduction::reduce(frame, estimator_, options_), place, &frame);
-    auto chosen = chooser_->reduce(frame);
-    if (!chosen) return bad(place + chosen.error().message);
-    time(chosen->choice);
-    put(std::move(chosen->readout), place, nullptr, &chosen->choice);
+    put(reduction::reduce(frame, estimator_, options_), place, &frame);
   }
 
   /// A person's series tells what its shots share; a program asks for it.
@@ -159,14 +143,14 @@ class Reducer {
     series_.add(shot);
   }
 
-  void put(const Result<Readout>& readout, const std::string& place, const reduction::Frame* frame = nullptr,
-           const EstimatorChoice* choice = nullptr) {
+  void put(const Result<Readout>& readout, const std::string& place,
+           const reduction::Frame* frame = nullptr) {
     if (!readout) return bad(place + readout.error().message);
     ++reduced_;
     const reduction::Budget budget = budget_of(frame);
     if (!json_) add_to_series(*readout, budget, frame);
     show_progress();
-    if (json_) return put_json(*readout, budget, choice);
+    if (json_) return put_json(*readout, budget);
     ShotResult shot_result;
     shot_result.shot_id = readout->shot_id;
     shot_result.readout = *readout;
@@ -175,7 +159,6 @@ class Reducer {
     if (readout->residual_ratios.all) print({residual_line(readout->residual_ratios)});
     if (budget_) print_budget(budget, *readout);
     if (readout->legacy) print(legacy_lines(*readout->legacy));
-    if (choice != nullptr) print(choice_lines(*choice));
   }
 
   void print_budget(const reduction::Budget& budget, const Readout& readout) const {
@@ -186,35 +169,13 @@ class Reducer {
     }
   }
 
-  void put_json(const Readout& readout, const reduction::Budget& budget,
-                const EstimatorChoice* choice) const {
+  void put_json(const Readout& readout, const reduction::Budget& budget) const {
     std::string line = messages::readout_to_json(readout);
     if (budget_) {
       line.back() = ',';
       line += "\"budget\":" + messages::json_text(budget_json(budget, readout)) + "}";
     }
-    if (choice != nullptr) {
-      line.back() = ',';
-      line += "\"choice\":" + choice_json(*choice, chooser_->requirement()) + "}";
-    }
     std::puts(line.c_str());
-  }
-
-  void time(const EstimatorChoice& choice) {
-    const double took_us = to_microseconds(choice.duration);
-    ++timed_;
-    took_us_ += took_us;
-    longest_us_ = std::max(longest_us_, took_us);
-    const auto& deadline_us = chooser_->requirement().deadline_us;
-    if (deadline_us && took_us > *deadline_us) ++late_;
-  }
-
-  /// For standard error: a time never belongs to a result's bytes.
-  std::string timing() const {
-    std::string line = fmt::format("strobe: reduce: took {:.1f} us a frame, {:.1f} us the longest of {}",
-                                   took_us_ / timed_, longest_us_, timed_);
-    if (chooser_->requirement().deadline_us) line += fmt::format(", {} past the deadline", late_);
-    return line + "\n";
   }
 
   static std::string flight_line(const flight::Effects& effects) {
@@ -265,51 +226,25 @@ class Reducer {
   bool json_, all_, budget_;
   reduction::Estimator estimator_;
   reduction::ReduceOptions options_;
-  std::optional<EstimatorChooser> chooser_;
-  int timed_ = 0;
-  int late_ = 0;
-  double took_us_ = 0.0;
-  double longest_us_ = 0.0;
   Series series_;
   int reduced_ = 0;
   int bad_ = 0;
   HostTime progress_ = steady_now();
 };
 
-/// What the options leave to choose, or what is wrong with them.
-Result<std::optional<EstimatorChooser>> chooser_of(const ReduceOptions& options) {
-  if (!options.chooses()) {
-    if (!options.frontier_file.empty()) return fail("--frontier is for --tolerance and --deadline-us");
-    return std::nullopt;
-  }
-  const auto requirement = parse_requirement(options.tolerance, options.deadline_us);
-  if (!requirement) return tl::unexpected(requirement.error());
-  auto files = read_frontier(options.frontier_file);
-  if (!files) return tl::unexpected(files.error());
-  return EstimatorChooser::make(files->rows, std::move(files->ranges),
-                                {.requirement = *requirement,
-                                 .estimator = options.estimator_given ? options.estimator : "",
-                                 .flight = options.flight_given ? options.flight : ""},
-                                steady_now)
-      .map([](EstimatorChooser&& chooser) { return std::optional(std::move(chooser)); });
-}
-
 int run_reduce(const ReduceOptions& options) {
   if (options.flight != "auto" && options.estimator != "best")
     return bad_input("reduce: --flight is for the best estimator");
-  if (options.budget && (options.chooses() || options.format == "legacy"))
-    return bad_input("reduce: --budget is for frames, without --tolerance and --deadline-us");
-  if (options.noise != "stated" && (options.estimator != "best" || options.chooses()))
-    return bad_input("reduce: --noise is for the best estimator, without --tolerance and --deadline-us");
+  if (options.budget && options.format == "legacy") return bad_input("reduce: --budget is for frames");
+  if (options.noise != "stated" && options.estimator != "best")
+    return bad_input("reduce: --noise is for the best estimator");
   for (const std::string& file : options.files) {
     std::error_code error;
     if (file == "-") continue;
     if (!std::filesystem::exists(file, error)) return bad_input(file + ": no such file");
     if (std::filesystem::is_directory(file, error)) return bad_input(file + ": is a folder");
   }
-  auto chooser = chooser_of(options);
-  if (!chooser) return bad_input("reduce: " + chooser.error().message);
-  Reducer reducer(options, std::move(*chooser));
+  Reducer reducer(options);
   for (const std::string& file : options.files) {
     const auto read = options.format == "legacy" ? reducer.legacy(file) : reducer.frames(file);
     if (!read) return bad_input(read.error().message);
@@ -345,41 +280,18 @@ void add_reduce_command(CLI::App& app, int& exit_status) {
           "residuals (those are relative weights only; the noise of each kind of measurement is estimated "
           "from the shot's own residuals, and sds are widened by Student's t)")
       ->check(CLI::IsMember({"stated", "residuals"}));
-  command->add_option(
-      "--tolerance", options->tolerance,
-      "choose for each frame the cheapest estimator and flight that add at most this to the error which the "
-      "photograph's noise leaves the best of them, as 1% or 1e-2: rms of the worst number and condition "
-      "measured, relative to the touchdown's speed (spins times R; angles in radians, e and mu as they are, "
-      "times to the dwell time). Where its own sd is beyond the tolerance, a cheaper one gives way to the "
-      "most "
-      "exact in time, and what noise is left is said");
-  command->add_option("--deadline-us", options->deadline_us,
-                      "choose one that takes at most this long a frame, in microseconds as measured; without "
-                      "--tolerance the most exact such");
-  command->add_option("--frontier", options->frontier_file,
-                      "what the estimators cost and how exact they are, as `strobe-bench trade --frontier` "
-                      "writes it [share/strobe/frontier/frontier.csv]");
   command->add_flag(
       "--budget", options->budget,
       "what each number's uncertainty is made of: source, type (A or B), sensitivity, effect, share");
   command->add_flag("--all", options->all, "experts' numbers as well: slip, flight effects");
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
-  command_line::for_experts(*command, {"--noise", "--tolerance", "--deadline-us", "--frontier", "--all"});
+  command_line::for_experts(*command, {"--noise", "--all"});
   command->footer(
       "Example: strobe reduce frames.jsonl --estimator best --json\n"
-      "         strobe reduce frames.jsonl --tolerance 1% --deadline-us 20 --json\n"
       "Bad lines are named on standard error and make the exit status 1; the others are reduced. Without "
-      "any good line it is 2.\n"
-      "\f"
-      "--estimator and --flight restrict the choice of --tolerance and --deadline-us. No estimator that "
-      "meets both: "
-      "exit status 2, or for some frames only as for bad lines.");
-  command->callback([options, command, &exit_status] {
-    options->estimator_given = command->count("--estimator") > 0;
-    options->flight_given = command->count("--flight") > 0;
-    exit_status = run_reduce(*options);
-  });
+      "any good line it is 2.");
+  command->callback([options, &exit_status] { exit_status = run_reduce(*options); });
 }
 
 }  // namespace strobe::host

@@ -49,8 +49,8 @@ struct Panel {
 
 struct Figure {
   int number = 0;
-  std::string title;
-  std::string caption;  ///< what points, bars and bands mean
+  std::string title{};
+  std::string caption{};  ///< what points, bars and bands mean
   int columns = 1;
   std::vector<Panel> panels{};
   int legend_columns = 3;
@@ -76,8 +76,8 @@ struct Tick {
 struct Axis {
   double low = 0.0;  ///< low < high, both finite
   double high = 1.0;
-  std::vector<Tick> ticks;   ///< ascending, within
-  bool logarithmic = false;  ///< low > 0
+  std::vector<Tick> ticks{};  ///< ascending, within
+  bool logarithmic = false;   ///< low > 0
 
   /// Where the value stands: 0 at `low`, 1 at `high`.
   double position(double value) const;

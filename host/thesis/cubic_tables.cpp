@@ -1,7 +1,5 @@
 // Tables 11 to 14: the differentiation approach, computed from the images as printed; and how its errors
 // grow.
-#include "host/thesis/cubic_tables.hpp"
-
 #include <fmt/format.h>
 #include <cmath>
 #include <initializer_list>

@@ -268,13 +268,13 @@ std::vector<PlotPoint> scatter(const InOut& data, const std::vector<impact::Comp
 
 void add_scatter(Panel& panel, const InOut& data, Component of, const std::string& who, const char* colour,
                  Symbol symbol, bool legend, const std::function<bool(const impact::Observation&)>& chosen) {
-  const auto add = [&](const char* model, Symbol symbol, std::vector<PlotPoint> points) {
+  const auto add = [&](const char* model, Symbol mark, std::vector<PlotPoint> points) {
     const std::string name = fmt::format("{}, {}", who, model);
     panel.series.push_back({.name = name,
                             .legend = legend ? name : std::string(),
                             .stroke = Stroke::points,
                             .colour = colour,
-                            .symbol = symbol,
+                            .symbol = mark,
                             .points = std::move(points)});
   };
   add("grip and offset", symbol, scatter(data, data.offset, of, chosen));

@@ -1,6 +1,4 @@
 // Tables 15 to 17: the integration approach (damped sine pulse); and what it says of all sets.
-#include "host/thesis/pulse_tables.hpp"
-
 #include <fmt/format.h>
 #include <cmath>
 

@@ -1,7 +1,5 @@
 // Beyond the thesis: the rebound models fitted to all sets and compared with them, what slides and what
 // grips, and the rolling friction.
-#include "host/thesis/rebound_model_tables.hpp"
-
 #include <fmt/format.h>
 
 #include "common/contact/condition_inputs.hpp"

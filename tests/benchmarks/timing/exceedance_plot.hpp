@@ -1,4 +1,4 @@
-// Curves drawn with gnuplot into a PNG.
+// Curves drawn into an SVG.
 #pragma once
 
 #include <string>
@@ -21,7 +21,7 @@ struct Panel {
 /// The share of values that are above each, for values from 1 ns up.
 Curve exceedance(const std::string& title, std::vector<double> values);
 
-/// One panel beside the other. std::runtime_error if gnuplot cannot be run.
-void draw(const std::string& png, const std::vector<Panel>& panels);
+/// One panel beside the other, with the numbers in a .csv beside the file. std::runtime_error if one cannot be written.
+void draw(const std::string& svg, const std::vector<Panel>& panels);
 
 }  // namespace strobe::benchmarks::timing

@@ -130,7 +130,7 @@ void add_spin_command(CLI::App& app, int& exit_status) {
       "how long the loop should be awake, and how long of that spin, before an instant: lateness of its "
       "flashes against the share of a core in a train.\n"
       "A second of a cell has some 300 flashes.\n"
-      "Example: strobe-bench spin --wake-ahead 0,1500 --spin 200 --rounds 4 --seconds 10 --plot spin.png");
+      "Example: strobe-bench spin --wake-ahead 0,1500 --spin 200 --rounds 4 --seconds 10 --plot spin.svg");
   add_study_options(*command, *options);
   command->add_option("--spin,--spin-us", options->spins_us, "lengths to try, in us")
       ->delimiter(',')

@@ -21,7 +21,7 @@ void add_study_options(CLI::App& command, StudyOptions& options) {
       ->check(CLI::IsMember(kLoads));
   command.add_flag("--json", options.json, "one JSON object per row");
   command.add_option("--csv", options.csv, "write the rows to this file");
-  command.add_option("--plot", options.plot, "draw into this PNG (gnuplot)");
+  command.add_option("--plot", options.plot, "draw into this SVG, with its numbers beside it (.csv)");
 }
 
 LoadRun under_load(const std::string& load, const StudyOptions& options, const std::filesystem::path& folder,

@@ -173,7 +173,7 @@ void add_timing_command(CLI::App& app, int& exit_status) {
                          "CPU and load, in turns.\n"
                          "A detector sees when a core itself stands still; figures are given with and "
                          "without such freezes.\n"
-                         "Example: strobe-bench timing --rounds 3 --seconds 15 --plot timing.png");
+                         "Example: strobe-bench timing --rounds 3 --seconds 15 --plot timing.svg");
   add_study_options(*command, *options);
   command->add_flag(
       "--programs", options->programs,

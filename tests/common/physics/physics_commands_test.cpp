@@ -1,3 +1,4 @@
+#include <algorithm>
 
 #include "tests/support/program_run.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -25,6 +26,12 @@ CompletedProcess contact_of(const std::string& set, const std::vector<std::strin
 
 CompletedProcess predict(const char* vx, const char* vy, std::vector<std::string> more) {
   more.insert(more.begin(), {STROBE_PROGRAM, "predict", "--vx", vx, "--vy", vy});
+  return run_program(std::move(more));
+}
+
+CompletedProcess reduce(std::vector<std::string> more) {
+  more.insert(more.begin(), {STROBE_PROGRAM, "reduce",
+                             STROBE_SOURCE_DIR "/tests/fuzz/corpus/reduction_frame_json/every_key.json"});
   return run_program(std::move(more));
 }
 
@@ -131,28 +138,44 @@ TEST(PhysicsCommands, PredictOdeTellsTheContactsCourseEventsAndEnergy) {
   CHECK_EQUAL(1e-9, json["inputs"]["tolerance"]);
 }
 
-TEST(PhysicsCommands, PredictOdeWritesTheCourseAsCsv) {
-  const std::string path = folder / "contact.csv", nowhere = folder / "none/contact.csv";
-  json_of(predict("10", "-12", {"--model", "ode", "--trajectory", path, "--samples", "5", "--json"}));
-  const std::string text = read_text(path);
-  CHECK(text.starts_with("time_ms,x_m,y_m,angle_deg,vx_mps,vy_mps,omega_radps,fx_n,fy_n,mode\n"));
-  LONGS_EQUAL(1 + 5, std::count(text.begin(), text.end(), '\n'));
-  check_refused(predict("10", "-12", {"--model", "ode", "--trajectory", nowhere}),
-                "predict: " + nowhere + ": cannot be written: No such file or directory");
+TEST(PhysicsCommands, PredictOdeWritesTheCourseAsCsvBelowItsTable) {
+  const CompletedProcess run = predict("10", "-12", {"--model", "ode", "--samples", "5"});
+  const auto begin = run.out.find("time_ms,x_m,y_m,angle_deg,vx_mps,vy_mps,omega_radps,fx_n,fy_n,mode\n0,");
+  CHECK(begin != std::string::npos);
+  LONGS_EQUAL(1 + 5, std::count(run.out.begin() + static_cast<std::ptrdiff_t>(begin), run.out.end(), '\n'));
 }
 
 TEST(PhysicsCommands, PredictNamesWhatIsWrongWithAContact) {
   check_refused(predict("10", "12", {}),
                 "predict: vy must be negative: the ball must move towards the surface");
-  check_refused(predict("10", "-12", {"--samples", "5"}),
-                "predict: --samples and --trajectory need --model ode");
-  check_refused(predict("10", "-12", {"--model", "ode", "--kt-ratio", "0"}),
+  check_refused(predict("10", "-12", {"--model", "ode", "--ct", "11"}),
                 "predict: e is below 0.001, or a spring or damping ratio is out of its range");
   check_refused(predict("10", "-12", {"--model", "ode", "--ode-tolerance", "2"}),
                 "predict: tolerance or number of steps is out of its range");
 }
 
-TEST(PhysicsCommands, BothExplainThemselves) {
-  for (const char* command : {"contact", "predict"})
+TEST(PhysicsCommands, PredictRefusesOptionsOfAnotherModel) {
+  check_refused(predict("10", "-12", {"--samples", "5"}), "predict: --samples is for --model ode, not grip");
+  check_refused(predict("10", "-12", {"--model", "rigid", "--ex", "0.1"}),
+                "predict: --ex is for --model grip, not rigid");
+  check_refused(predict("10", "-12", {"--mass-kg", "0.06"}),
+                "predict: --mass-kg is for --model pulse or ode, not grip");
+  LONGS_EQUAL(0, predict("10", "-12", {"--model", "pulse", "--mass-kg", "0.06"}).status->code);
+}
+
+TEST(PhysicsCommands, ReduceTakesStatedSdsForRelativeWeightsWhereNoiseComesFromResiduals) {
+  const auto believed = json_of(reduce({"--json"}));
+  const auto weights = json_of(reduce({"--noise", "residuals", "--json"}));
+  CHECK_TRUE(believed["residual_ratio"].is_number());
+  CHECK_TRUE(weights["residual_ratio"].is_null());
+  CHECK_TRUE(believed["degrees_of_freedom"]["e"].is_null());
+  CHECK_TRUE(weights["degrees_of_freedom"]["e"].is_number());
+  check_refused(reduce({"--noise", "residuals", "--estimator", "two-point"}),
+                "reduce: --noise is for the best estimator");
+  check_prints(reduce({}), {"residuals over stated noise: "});
+}
+
+TEST(PhysicsCommands, ExplainThemselves) {
+  for (const char* command : {"contact", "predict", "reduce"})
     check_prints(run_program({STROBE_PROGRAM, command, "--help"}), {"Example"});
 }

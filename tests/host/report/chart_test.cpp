@@ -86,7 +86,8 @@ TEST(ReportAxis, HoldsAnyValuesWithAHandfulOfTicksWithin) {
 }
 
 TEST(ReportAxis, ALogarithmicOneHasTicksAtPowersOfTenOrCloser) {
-  CHECK_EQUAL(std::string("0.001 0.01 0.1 1 10 100"), ticks_of(log_axis_for({1e-3, 0.5, 0.0, -1.0, kNone, 120.0})));
+  CHECK_EQUAL(std::string("0.001 0.01 0.1 1 10 100"),
+              ticks_of(log_axis_for({1e-3, 0.5, 0.0, -1.0, kNone, 120.0})));
   CHECK_EQUAL(std::string("1e-12 1e-10 1e-08 1e-06 0.0001 0.01 1"), ticks_of(log_axis_for({1e-12, 2.0})));
   CHECK_EQUAL(std::string("2 5 10"), ticks_of(log_axis_for({1.5, 11.0})));
   const Axis axis = log_axis_for({1e-3, 120.0});
@@ -100,7 +101,11 @@ TEST_GROUP(ReportChart){};
 TEST(ReportChart, IsWrittenWithItsNumbersToAFolderThatIsMadeForIt) {
   const strobe::testing::TemporaryFolder folder;
   Panel panel{.title = "t", .x_label = "x, m", .y_label = "y, m"};
-  panel.series = {{.name = "a, b", .legend = "a", .stroke = Stroke::points, .colour = "#000000", .points = {{0.1, 0.2, 0.15, 0.25}}},
+  panel.series = {{.name = "a, b",
+                   .legend = "a",
+                   .stroke = Stroke::points,
+                   .colour = "#000000",
+                   .points = {{0.1, 0.2, 0.15, 0.25}}},
                   {.name = "line", .legend = "l", .colour = "#000000", .points = {{0, 0}, {1, 1}}}};
   const Figure figure{.number = 4, .title = "Bob's <ball>", .caption = "c", .panels = {panel}};
   CHECK(write_figure(figure, folder / "new" / "folder", "figure_04").has_value());
@@ -110,7 +115,8 @@ TEST(ReportChart, IsWrittenWithItsNumbersToAFolderThatIsMadeForIt) {
   CHECK_TEXT(parsed.well_formed, parsed.problem.c_str());
   CHECK(parsed.text.starts_with("Figure 4. Bob's <ball>\nc\n"));
   strobe::testing::write_text(folder / "file", "");
-  STRCMP_CONTAINS("inside: cannot be made", write_figure(figure, folder / "file" / "inside", "f").error().message.c_str());
+  STRCMP_CONTAINS("inside: cannot be made",
+                  write_figure(figure, folder / "file" / "inside", "f").error().message.c_str());
 }
 
 TEST(ReportChart, DrawsAMarkForEachPointAndABarForEachSd) {

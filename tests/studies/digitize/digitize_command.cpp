@@ -145,7 +145,7 @@ void add_how(CLI::App& command, Options& o) {
       "--keep", o.keep,
       "Folder for all photographs: those rendered there before are read instead of rendered again");
   command.add_option("--csv", o.csv, "One line an image; with --robustness one line a condition");
-  command.add_option("--plot", o.plot, "Of the robustness, drawn by gnuplot: FILE.svg or FILE.png");
+  command.add_option("--plot", o.plot, "Of the robustness, drawn into this SVG, with its numbers beside it (.csv)");
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ struct RobustnessAxis {
 };
 const std::vector<RobustnessAxis>& robustness_axes();
 
-/// Draws the curves with gnuplot. Fails with one line if it is missing or does not draw.
+/// Draws the curves into an SVG. Fails with one line if it cannot be written.
 Result<void> plot_robustness(const std::vector<RobustnessPoint>& points, const std::string& file);
 
 }  // namespace strobe::studies::digitize

@@ -1,4 +1,4 @@
-// The study's results: tables as text, JSON lines, CSV, and a plot for gnuplot.
+// The study's results: tables as text, and JSON lines.
 #pragma once
 
 #include <string>
@@ -25,11 +25,5 @@ std::string beyond_3(const Predictions& predictions);
 std::string reason(const Cell& cell);
 
 std::string json_lines(const std::string& name, std::span<const Cell> cells);
-std::string csv_header();
-std::string csv_lines(const std::string& name, std::span<const Cell> cells);
-
-/// A gnuplot program with its data inline: z of vx, vy and omega at lift-off for each condition, to `file`
-/// (.svg or .png by its name).
-std::string plot_program(std::span<const Cell> cells, const std::string& title, const std::string& file);
 
 }  // namespace strobe::studies

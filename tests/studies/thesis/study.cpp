@@ -1,8 +1,14 @@
 #include "tests/studies/thesis/study.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
 
 #include "common/impact/fit/cross_validation.hpp"
+#include "common/reduction/reduce.hpp"
+#include "sim/fit/fit.hpp"
+#include "sim/shoot/shoot.hpp"
 
 namespace strobe::studies {
 
@@ -70,6 +76,123 @@ Result<Shots> shoot_all(const Predictions& predictions, int shots, std::uint64_t
       out.cells.push_back(std::move(cell));
   }
   return out;
+}
+
+using reduction::Quantity;
+
+bool is_lift_off_motion(Quantity quantity) {
+  return quantity == Quantity::vx_lo_mps || quantity == Quantity::vy_lo_mps ||
+         quantity == Quantity::omega_lo_radps;
+}
+
+reduction::Quantities quantities_of(const impact::Motion& touchdown, const impact::Motion& lift_off,
+                                    double dwell_s, double dwell_distance_m) {
+  reduction::Quantities q;
+  q[Quantity::vx_lo_mps] = lift_off.vx_mps;
+  q[Quantity::vy_lo_mps] = lift_off.vy_mps;
+  q[Quantity::v_lo_mps] = std::hypot(lift_off.vx_mps, lift_off.vy_mps);
+  q[Quantity::theta_out_deg] = std::atan2(lift_off.vy_mps, lift_off.vx_mps) * 180.0 / std::numbers::pi;
+  q[Quantity::omega_lo_radps] = lift_off.omega_radps;
+  q[Quantity::e] = -lift_off.vy_mps / touchdown.vy_mps;
+  q[Quantity::mu] = (touchdown.vx_mps - lift_off.vx_mps) / (lift_off.vy_mps - touchdown.vy_mps);
+  q[Quantity::dwell_time_ms] = 1e3 * dwell_s;
+  q[Quantity::dwell_distance_cm] = 1e2 * dwell_distance_m;
+  return q;
+}
+
+std::vector<Cell> cells_of(const thesis::Condition& c, const reduction::Quantities& predicted,
+                           Vertical vertical) {
+  struct Published {
+    Quantity quantity;
+    const thesis::MeanSd& number;
+    bool vertical;
+  };
+  const std::array<Published, 9> published{{{Quantity::vx_lo_mps, c.vx_lo_mps, false},
+                                            {Quantity::vy_lo_mps, c.vy_lo_mps, true},
+                                            {Quantity::v_lo_mps, c.v_lo_mps, false},
+                                            {Quantity::theta_out_deg, c.theta_out_deg, false},
+                                            {Quantity::omega_lo_radps, c.omega_lo_radps, false},
+                                            {Quantity::e, c.e, true},
+                                            {Quantity::mu, c.mu, false},
+                                            {Quantity::dwell_time_ms, c.dwell_time_ms, true},
+                                            {Quantity::dwell_distance_cm, c.dwell_distance_cm, false}}};
+  std::vector<Cell> cells;
+  for (const Published& p : published) {
+    if (!predicted[p.quantity]) continue;
+    cells.push_back({c.name(), p.quantity, *predicted[p.quantity], p.number.mean, p.number.sd,
+                     p.vertical && vertical == Vertical::measured});
+  }
+  return cells;
+}
+
+namespace {
+
+using reduction::kQuantityCount;
+using reduction::Quantity;
+
+Result<sim::Scene> scene_of(const thesis::Condition& condition, const Prediction& prediction) {
+  auto fitted = sim::fit_scene(condition);
+  if (!fitted) return tl::unexpected(fitted.error());
+  sim::Scene scene = fitted->scene;
+  scene.ball.alpha = prediction.ball.alpha;
+  sim::BounceSettings& b = scene.bounce;
+  b.contact = sim::ContactLaw::ode;
+  b.e = prediction.coefficients.e;
+  b.e_speed_mps = -prediction.inputs.touchdown.vy_mps;
+  b.mu = prediction.coefficients.mu;
+  b.mu_sd = 0.0;
+  b.dwell_s = prediction.coefficients.dwell_s;
+  b.stiffness_ratio = prediction.coefficients.stiffness_ratio;
+  b.damping_ratio = prediction.coefficients.damping_ratio;
+  b.offset_share = prediction.coefficients.offset_share;
+  b.offset_share_sd = b.stiffness_ratio_sd = 0.0;
+  return scene;
+}
+
+void make_exact(sim::Scene& scene) {
+  sim::MachineSettings& m = scene.machine;
+  m.speed_sd_mps = m.angle_sd_rad = m.spin_sd_radps = m.lag_sd_s = m.spot_sd_m = 0.0;
+  scene.bounce.e_sd = scene.bounce.dwell_sd_s = 0.0;
+  scene.lamps.jitter_s = scene.sensors.jitter_s = scene.shutter.lag_sd_s = 0.0;
+}
+
+struct Sums {
+  double n = 0.0, mean = 0.0, squares = 0.0;
+  void add(double value) {
+    n += 1.0;
+    const double away = value - mean;
+    mean += away / n;
+    squares += away * (value - mean);
+  }
+};
+
+}  // namespace
+
+Result<ShotSeries> shoot_series(const thesis::Condition& condition, const Prediction& prediction, int shots,
+                                std::uint64_t seed, bool exact) {
+  auto scene = scene_of(condition, prediction);
+  if (!scene) return tl::unexpected(scene.error());
+  if (exact) make_exact(*scene);
+  auto shooter = sim::Shooter::make(*scene, seed, sim::Model::full(), {.perfect_digitizer = exact});
+  if (!shooter) return tl::unexpected(shooter.error());
+  std::array<Sums, kQuantityCount> sums;
+  ShotSeries series;
+  for (int shot = 1; shot <= (exact ? 1 : shots); ++shot) {
+    ++series.shots;
+    const auto readout = reduction::reduce(shooter->shoot(shot).frame, reduction::Estimator::best);
+    if (!readout || !readout->value[Quantity::vx_lo_mps]) {
+      ++series.without_readout;
+      continue;
+    }
+    for (std::size_t i = 0; i < kQuantityCount; ++i)
+      if (const auto value = readout->value[static_cast<Quantity>(i)]) sums[i].add(*value);
+  }
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    if (sums[i].n == 0.0) continue;
+    series.mean[static_cast<Quantity>(i)] = sums[i].mean;
+    series.sd[static_cast<Quantity>(i)] = std::sqrt(sums[i].squares / sums[i].n);
+  }
+  return series;
 }
 
 }  // namespace strobe::studies

@@ -18,8 +18,7 @@ struct Options {
   std::string dashpot = "tied", vertical = "by-speed-and-slip";
   int shots = 50;
   std::uint64_t seed = 1;
-  bool json = false, csv = false;
-  std::vector<std::string> plots;
+  bool json = false;
   std::string folder = STROBE_THESIS_FOLDER;
 };
 
@@ -49,14 +48,6 @@ struct Way {
   std::string name;
   std::vector<Cell> cells;
 };
-
-int draw(const Way& way, const std::string& file) {
-  std::FILE* gnuplot = popen("gnuplot", "w");
-  if (gnuplot == nullptr) return fail_with({"gnuplot does not start"});
-  const std::string program = plot_program(way.cells, way.name, file);
-  std::fwrite(program.data(), 1, program.size(), gnuplot);
-  return pclose(gnuplot) == 0 ? 0 : fail_with({"gnuplot does not draw " + file});
-}
 
 void print_report(const Options& options, const Predictions& chosen, const std::vector<Way>& ways) {
   fmt::print(
@@ -119,15 +110,10 @@ int against_thesis(const Options& options) {
   Predictions chosen;
   const auto ways = run(options, *data, chosen);
   if (!ways) return fail_with(ways.error());
-  if (options.csv) fmt::print("{}", csv_header());
-  for (const Way& way : *ways) {
+  for (const Way& way : *ways)
     if (options.json) fmt::print("{}", json_lines(way.name, way.cells));
-    if (options.csv) fmt::print("{}", csv_lines(way.name, way.cells));
-  }
-  if (!options.json && !options.csv) print_report(options, chosen, *ways);
-  int status = 0;
-  for (const std::string& file : options.plots) status = std::max(status, draw(ways->front(), file));
-  return status;
+  if (!options.json) print_report(options, chosen, *ways);
+  return 0;
 }
 
 }  // namespace
@@ -139,7 +125,7 @@ void add_thesis_command(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand(
       "thesis",
       "the thesis's 21 conditions, each spin predicted from the other two, against its tables.\n"
-      "Example: strobe-bench thesis --e-and-dwell measured --plot z.svg");
+      "Example: strobe-bench thesis --e-and-dwell measured");
   command
       ->add_option("--dashpot", options->dashpot,
                    "of the tangential spring: fitted, or tied (a constant less)")
@@ -154,12 +140,7 @@ void add_thesis_command(CLI::App& app, int& exit_status) {
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "repeats the shots")->capture_default_str();
-  CLI::Option* json = command->add_flag("--json", options->json, "one object per cell");
-  command->add_flag("--csv", options->csv, "one line per cell")->excludes(json);
-  command->add_option("--plot", options->plots, "z of each condition, drawn by gnuplot: FILE.svg or FILE.png")
-      ->check([](const std::string& file) {
-        return file.ends_with(".svg") || file.ends_with(".png") ? "" : "a name that ends in .svg or .png";
-      });
+  command->add_flag("--json", options->json, "one object per cell");
   command->add_option("--data", options->folder, "folder of the tables")->check(CLI::ExistingDirectory);
   command->callback([options, &exit_status] { exit_status = against_thesis(*options); });
 }

@@ -8,10 +8,9 @@
 #include "common/impact/closed_form/sine_pulse.hpp"
 #include "common/impact/ode/contact_course.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
-#include "tests/studies/trade/calibration.hpp"
+#include "tests/studies/trade/known_impacts.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
 #include "tests/studies/trade/studies.hpp"
-#include "tests/studies/trade/tally.hpp"
 
 namespace strobe::studies::trade {
 

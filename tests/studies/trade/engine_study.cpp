@@ -11,7 +11,6 @@
 #include "tests/studies/trade/known_impacts.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
 #include "tests/studies/trade/studies.hpp"
-#include "tests/studies/trade/tally.hpp"
 
 namespace strobe::studies::trade {
 
@@ -211,8 +210,7 @@ Study engine_study(const Effort& effort, std::vector<std::string>& missing) {
           "engine's steps from touchdown to lift-off; norm as for lift_off, against what is exact for "
           "the engine's own law",
           practical.size()),
-      .unit = "of v_td",
-      .shipped = false};
+      .unit = "of v_td"};
   add_own(study, practical, thesis, effort);
   const auto try_engine = [&](const char* name, const std::unique_ptr<Engine>& engine) {
     if (engine)

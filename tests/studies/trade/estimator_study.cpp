@@ -13,7 +13,6 @@
 #include "tests/studies/trade/impact_scenes.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
 #include "tests/studies/trade/studies.hpp"
-#include "tests/studies/trade/tally.hpp"
 
 namespace strobe::studies::trade {
 

@@ -14,7 +14,6 @@
 #include "tests/common/reduction/simulated_shot.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
 #include "tests/studies/trade/studies.hpp"
-#include "tests/studies/trade/tally.hpp"
 
 namespace strobe::studies::trade {
 

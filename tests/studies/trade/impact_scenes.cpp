@@ -81,41 +81,4 @@ std::vector<ImpactScene> shots_of(const ImpactScene& scene, int count, std::uint
   return shots;
 }
 
-std::vector<Range> ranges_of(const std::vector<ImpactScene>& scenes, const std::string& study) {
-  struct Quantity {
-    const char* name;
-    double (*of)(const ImpactScene& s);
-  };
-  static constexpr Quantity kQuantities[] = {
-      {"v_td_mps", [](const ImpactScene& s) { return s.speed_mps(); }},
-      {"theta_in_deg",
-       [](const ImpactScene& s) { return std::atan2(-s.touchdown.vy_mps, s.touchdown.vx_mps) / kDegree; }},
-      {"omega_radps", [](const ImpactScene& s) { return s.touchdown.omega_radps; }},
-      {"spin_ratio",
-       [](const ImpactScene& s) {
-         return s.ball.radius_m() * std::abs(s.touchdown.omega_radps) / s.speed_mps();
-       }},
-      {"e", [](const ImpactScene& s) { return s.contact.e; }},
-      {"mu", [](const ImpactScene& s) { return s.contact.mu; }},
-      {"alpha", [](const ImpactScene& s) { return s.ball.alpha; }},
-      {"diameter_m", [](const ImpactScene& s) { return s.ball.diameter_m; }},
-      {"mass_kg", [](const ImpactScene& s) { return s.ball.mass_kg; }},
-      {"dwell_time_ms", [](const ImpactScene& s) { return s.contact.dwell_s * 1e3; }},
-      {"kt_ratio", [](const ImpactScene& s) { return s.contact.stiffness_ratio; }},
-      {"ct", [](const ImpactScene& s) { return s.contact.damping_ratio; }},
-      {"offset_footprint", [](const ImpactScene& s) { return s.contact.offset_share; }},
-      {"offset_reference_mps", [](const ImpactScene& s) { return s.contact.offset_reference_mps; }},
-      {"gravity_mps2", [](const ImpactScene& s) { return s.contact.gravity_mps2; }}};
-  std::vector<Range> ranges;
-  for (const Quantity& q : kQuantities) {
-    Range r{study, q.name, q.of(scenes.front()), q.of(scenes.front())};
-    for (const ImpactScene& s : scenes) {
-      r.lowest = std::min(r.lowest, q.of(s));
-      r.highest = std::max(r.highest, q.of(s));
-    }
-    ranges.push_back(r);
-  }
-  return ranges;
-}
-
 }  // namespace strobe::studies::trade

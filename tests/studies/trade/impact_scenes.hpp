@@ -29,14 +29,6 @@ std::vector<ImpactScene> practical_impacts(int count, std::uint64_t seed);
 /// The thesis's 21 conditions: touchdown, e and dwell time as measured, the rest as fitted to them.
 std::vector<ImpactScene> thesis_impacts();
 
-/// What scenes span in one quantity.
-struct Range {
-  std::string study, quantity;
-  double lowest = 0.0, highest = 0.0;
-};
-
-std::vector<Range> ranges_of(const std::vector<ImpactScene>& scenes, const std::string& study);
-
 /// Shots of one scene: touchdown and material spread about the scene's as a pitching machine and a surface
 /// do (speed 2 %, angle 0.6 degree, spin 10 rad/s, e .01, mu .03, dwell 1.5 %).
 std::vector<ImpactScene> shots_of(const ImpactScene& scene, int count, std::uint64_t seed);

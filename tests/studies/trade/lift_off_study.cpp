@@ -10,7 +10,6 @@
 #include "tests/studies/trade/known_impacts.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
 #include "tests/studies/trade/studies.hpp"
-#include "tests/studies/trade/tally.hpp"
 
 namespace strobe::studies::trade {
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace strobe::studies::trade {
 
@@ -40,6 +41,35 @@ std::string how_much(const Dominated& by) {
 std::string verdict(const Study& study, const std::optional<Dominated>& by) {
   if (!by) return "frontier";
   return fmt::format("dominated by {}: {}", label(study.rows[by->by]), how_much(*by));
+}
+
+/// Rows of one method that differ in a number are a line.
+bool is_swept(const Row& row) {
+  for (const char* name : {"tolerance=", "steps=", "step_s=", "accuracy="})
+    if (row.parameter.starts_with(name)) return true;
+  return false;
+}
+
+/// Errors of rounding alone are drawn at the floor.
+figures::PlotPoint point_of(const Row& row) {
+  constexpr double kFloor = 5e-17;
+  return {row.cost_us, std::max(error_of(row), kFloor)};
+}
+
+/// What error can be had within a time.
+figures::Series frontier_series(const Study& study) {
+  const auto verdicts = dominated(study);
+  std::vector<figures::PlotPoint> best;
+  for (std::size_t i = 0; i < study.rows.size(); ++i)
+    if (!verdicts[i]) best.push_back(point_of(study.rows[i]));
+  std::ranges::sort(best, {}, &figures::PlotPoint::x);
+  figures::Series steps{.name = study.name + " frontier", .legend = "", .colour = "#bbbbbb"};
+  for (const figures::PlotPoint& p : best) {
+    if (!steps.points.empty() && p.y >= steps.points.back().y) continue;
+    if (!steps.points.empty()) steps.points.push_back({p.x, steps.points.back().y});
+    steps.points.push_back(p);
+  }
+  return steps;
 }
 
 /// A field of a file whose separator is the comma.
@@ -119,27 +149,46 @@ std::string json_lines(const std::vector<Study>& studies) {
   return text;
 }
 
-std::string ranges_text(const std::vector<Range>& ranges) {
-  std::string text = "study,quantity,lowest,highest\n";
-  for (const Range& r : ranges)
-    text += fmt::format("{},{},{},{}\n", r.study, r.quantity, r.lowest, r.highest);
-  return text;
-}
-
-std::string frontier_text(const std::vector<Study>& studies) {
-  std::string text = "study,method,parameter,cost_us,error,error_unit,note\n";
+figures::Figure figure_of(const std::vector<Study>& studies) {
+  // Told apart by the colour-blind too (Okabe and Ito).
+  constexpr std::array kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
+                                "#E69F00", "#56B4E9", "#7A5C00", "#555555"};
+  constexpr std::array kSymbols{figures::Symbol::circle, figures::Symbol::square, figures::Symbol::triangle};
+  figures::Figure figure{.title = "Error against cost of every method, and what can be had best",
+                         .caption = "grey: the frontier; lines: one method at several tolerances or steps",
+                         .columns = 2,
+                         .legend_columns = 4};
+  std::vector<std::string> methods;  // of all panels, so that each has one look
   for (const Study& study : studies) {
-    if (!study.shipped) continue;
-    const auto verdicts = dominated(study);
-    for (std::size_t i = 0; i < study.rows.size(); ++i) {
-      const Row& row = study.rows[i];
-      const std::string note =
-          verdicts[i] ? "dominated by " + label(study.rows[verdicts[i]->by]) : "frontier";
-      text += fmt::format("{},{},{},{:.3g},{:.3g},{},{}\n", study.name, row.method, row.parameter,
-                          row.cost_us, error_of(row), field(study.unit), field(note));
+    if (!study.drawn) continue;
+    figures::Panel panel{.title = study.title,
+                         .x_label = "microseconds a call",
+                         .y_label = "largest error " + study.unit,
+                         .series = {frontier_series(study)},
+                         .log_x = true,
+                         .log_y = true};
+    for (auto row = study.rows.begin(); row != study.rows.end();) {
+      const std::string method = is_swept(*row) ? row->method : label(*row);
+      const bool is_new = std::ranges::find(methods, method) == methods.end();
+      if (is_new) methods.push_back(method);
+      const auto look = static_cast<std::size_t>(std::ranges::find(methods, method) - methods.begin());
+      const std::string name = study.name + " " + method;
+      figures::Series points{.name = name,
+                             .legend = is_new ? method : "",
+                             .stroke = figures::Stroke::points,
+                             .colour = kColours[look % kColours.size()],
+                             .symbol = kSymbols[look / kColours.size() % kSymbols.size()]};
+      for (; row != study.rows.end() && (is_swept(*row) ? row->method : label(*row)) == method; ++row)
+        points.points.push_back(point_of(*row));
+      figures::Series line = points;
+      line.legend.clear();
+      line.stroke = figures::Stroke::dotted;
+      if (points.points.size() > 1) panel.series.push_back(std::move(line));
+      panel.series.push_back(std::move(points));
     }
+    figure.panels.push_back(std::move(panel));
   }
-  return text;
+  return figure;
 }
 
 }  // namespace strobe::studies::trade

@@ -1,10 +1,10 @@
-// The studies in words and files. Pure functions of plain values.
+// The studies in words, files and a figure. Pure functions of plain values.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "tests/studies/trade/impact_scenes.hpp"
+#include "host/figures/figure.hpp"
 #include "tests/studies/trade/study.hpp"
 
 namespace strobe::studies::trade {
@@ -21,8 +21,8 @@ std::string csv_text(const std::vector<Study>& studies);
 /// The same figures, one JSON object a method.
 std::string json_lines(const std::vector<Study>& studies);
 
-/// What the product chooses by; see common/data/frontier/README.md.
-std::string frontier_text(const std::vector<Study>& studies);
-std::string ranges_text(const std::vector<Range>& ranges);
+/// Error against cost, both logarithmic, a panel for each study that is to be drawn; a method at several tolerances or numbers of
+/// steps is a line. Grey: the frontier, as steps.
+figures::Figure figure_of(const std::vector<Study>& studies);
 
 }  // namespace strobe::studies::trade

@@ -12,7 +12,6 @@
 #include "sim/loading/load_scene.hpp"
 #include "sim/shoot/shoot.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
-#include "tests/studies/trade/tally.hpp"
 
 namespace strobe::studies::trade {
 

@@ -2,6 +2,7 @@
 // against a reference two orders better. Plain values; one thread's.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -18,6 +19,22 @@ struct Error {
   double rms = 0.0, worst = 0.0;
 };
 
+/// Sums that an Error is made of.
+class Tally {
+ public:
+  void add(double error) {
+    square_ += error * error;
+    // Keeps a NaN, so that it is seen.
+    worst_ = std::isnan(error) || error > worst_ ? error : worst_;
+    ++count_;
+  }
+  Error error() const { return {count_ > 0 ? std::sqrt(square_ / count_) : 0.0, worst_}; }
+
+ private:
+  double square_ = 0.0, worst_ = 0.0;
+  int count_ = 0;
+};
+
 struct Row {
   std::string method;
   std::string parameter;  ///< "name=value", several joined by ';'; empty: none
@@ -32,10 +49,9 @@ struct Row {
 struct Study {
   std::string name, title;
   std::string what;        ///< scenes, norm of the error, reference: for the table's head
-  std::string unit{};      ///< of the errors, as in the frontier's file
+  std::string unit{};      ///< of the errors
   double reference = 0.0;  ///< error of the reference itself, same norm; 0: closed form in many digits
   bool drawn = true;       ///< has a panel in the figure
-  bool shipped = true;     ///< the product can choose among these methods
   std::vector<Row> rows{};
 };
 

@@ -87,22 +87,17 @@ TEST(BrokenInvariants, AnErrorThatIsNoNumber) {
   LONGS_EQUAL(1, broken_invariants({study({row("rigid", "", 1, std::nan(""))})}).size());
 }
 
-TEST_GROUP(FrontierText){};
+TEST_GROUP(CsvText){};
 
-TEST(FrontierText, NamesWhatDominatesAndKeepsCommasOutOfFields) {
+TEST(CsvText, NamesWhatDominatesAndKeepsCommasOutOfFields) {
   Study s = study({row("a", "x=1", 1, 1e-4), row("b", "", 2, 1e-2)});
   s.unit = "of x, y";
   CHECK_EQUAL(
-      "study,method,parameter,cost_us,error,error_unit,note\n"
-      "s,a,x=1,1,0.0001,of x; y,frontier\n"
-      "s,b,,2,0.01,of x; y,dominated by a x=1\n",
-      frontier_text({s}));
-}
-
-TEST(FrontierText, LeavesOutWhatTheProductDoesNotShip) {
-  Study s = study({row("engine", "", 1, 1e-4)});
-  s.shipped = false;
-  CHECK_EQUAL("study,method,parameter,cost_us,error,error_unit,note\n", frontier_text({s}));
+      "study,method,parameter,cost_us,rms,worst,thesis_rms,thesis_worst,error_unit,source,verdict,remark\n"
+      "s,a,x=1,1,0.0001,0.0001,5e-05,5e-05,of x; y,numerical,frontier,\n"
+      "s,b,,2,0.01,0.01,0.005,0.005,of x; y,numerical,dominated by a x=1: 2.0 times slower and 100 times "
+      "less exact,\n",
+      csv_text({s}));
 }
 
 TEST_GROUP(BeyondOwn){};

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <memory>
 
+#include "host/figures/svg.hpp"
 #include "tests/benchmarks/command.hpp"
-#include "tests/studies/trade/plot.hpp"
 #include "tests/studies/trade/report.hpp"
 #include "tests/studies/trade/studies.hpp"
 
@@ -22,7 +22,7 @@ using namespace trade;
 
 struct Options {
   Effort effort;
-  std::string csv, plot, frontier;
+  std::string csv, plot;
   std::vector<std::string> only;
   bool json = false;
 };
@@ -64,23 +64,6 @@ bool write(const std::string& path, const std::string& text) {
   return !file.fail();
 }
 
-std::vector<Study> drawn_of(std::vector<Study> studies) {
-  std::erase_if(studies, [](const Study& s) { return !s.drawn; });
-  return studies;
-}
-
-/// Beside the frontier's file: what the impacts and the photographs spanned.
-bool write_ranges(const Options& options) {
-  if (options.frontier.empty()) return true;
-  auto scenes = practical_impacts(options.effort.scenes, options.effort.seed);
-  for (const ImpactScene& s : thesis_impacts()) scenes.push_back(s);
-  const auto path = std::filesystem::path(options.frontier).replace_filename("ranges.csv");
-  auto ranges = ranges_of(scenes, "lift_off");
-  for (const char* study : {"reduce", "reduce_estimated", "reduce_fine"})
-    ranges.push_back({.study = study, .quantity = "images_per_leg", .lowest = 5.0, .highest = 5.0});
-  return write(path.string(), ranges_text(ranges));
-}
-
 int run(Options options) {
   if (options.effort.quick) {
     options.effort.scenes = std::min(options.effort.scenes, 6);
@@ -96,11 +79,12 @@ int run(Options options) {
     for (const Study& study : studies) fmt::print("{}{}\n", table_text(study), engines_text(study));
     for (const std::string& engine : missing) fmt::print("{}: not installed\n", engine);
   }
-  if (!write(options.csv, csv_text(studies)) || !write(options.frontier, frontier_text(studies)) ||
-      !write_ranges(options))
-    return 2;
+  if (!write(options.csv, csv_text(studies))) return 2;
   if (!options.plot.empty()) {
-    if (const auto drawn = plot(drawn_of(studies), options.plot); !drawn) {
+    const std::filesystem::path file(options.plot);
+    const auto drawn = figures::write_figure(figure_of(studies),
+                                             file.has_parent_path() ? file.parent_path() : ".", file.stem());
+    if (!drawn) {
       fmt::print(stderr, "strobe-bench trade: {}\n", drawn.error().message);
       return 1;
     }
@@ -118,8 +102,7 @@ void add_trade_command(CLI::App& app, int& exit_status) {
                                          "speed against accuracy: cost and error of every impact model, "
                                          "flight model and estimator, and of general "
                                          "engines where they are installed.\n"
-                                         "Example: strobe-bench trade --csv trade.csv --plot trade "
-                                         "--frontier common/data/frontier/frontier.csv");
+                                         "Example: strobe-bench trade --csv trade.csv --plot trade.svg");
   command
       ->add_option("--studies", options->only,
                    "of impact,course,flight,estimators,shots,engines; default all")
@@ -136,9 +119,7 @@ void add_trade_command(CLI::App& app, int& exit_status) {
       ->capture_default_str();
   command->add_option("--seed", options->effort.seed, "of the scenes and the noise")->capture_default_str();
   command->add_option("--csv", options->csv, "write all figures to this file");
-  command->add_option("--plot", options->plot, "draw NAME.svg and NAME.png (by gnuplot)");
-  command->add_option("--frontier", options->frontier,
-                      "write what programs choose by, and ranges.csv beside it");
+  command->add_option("--plot", options->plot, "draw this .svg, and write its numbers beside it (.csv)");
   command->add_flag("--json", options->json, "one object per method, nothing else on stdout");
   command->add_flag("--quick", options->effort.quick, "few scenes and steps, to see that all works");
   command->callback([options, &exit_status] { exit_status = run(*options); });

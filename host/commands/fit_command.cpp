@@ -1,9 +1,8 @@
 // strobe fit: friction, restitution and rolling friction from measured rebounds.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
-
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -15,7 +14,7 @@
 #include "common/flight/gravity.hpp"
 #include "common/impact/fit/fit_checks.hpp"
 #include "host/commands/command.hpp"
-#include "host/commands/fit/fit_report.hpp"
+#include "host/commands/fit_report.hpp"
 
 namespace strobe::host {
 

@@ -8,7 +8,7 @@
 #include "common/impact/fit/cross_validation.hpp"
 #include "common/impact/fit/regime.hpp"
 #include "common/impact/fit/rolling_friction.hpp"
-#include "host/commands/fit/fit_data.hpp"
+#include "host/commands/fit_data.hpp"
 
 namespace strobe::host {
 

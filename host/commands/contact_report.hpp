@@ -1,5 +1,4 @@
-// The analysis and the report of `strobe contact` for one set. analyse() is pure and thread-safe; the print
-// functions write to stdout and are not thread-safe.
+// The report of `strobe contact` for one set. Writes to stdout; single-threaded.
 #pragma once
 
 #include <optional>
@@ -52,9 +51,6 @@ struct ContactReport {
   std::optional<contact::ForcePeak> spline_force;
   contact::CrossValidation cross;
 };
-
-/// Errors: those of the contact analysis; the message does not name the set.
-Result<ContactReport> analyse(const ContactJob& job);
 
 void print_contact_json(const ContactJob& job, const ContactReport& report);
 void print_contact_table(const ContactJob& job, const ContactReport& report);

@@ -1,4 +1,4 @@
-#include "host/commands/fit/fit_data.hpp"
+#include "host/commands/fit_data.hpp"
 
 #include <algorithm>
 #include <array>

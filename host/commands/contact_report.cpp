@@ -1,5 +1,5 @@
 // The report of `strobe contact`: JSON for programs, a page for people.
-#include "host/commands/contact/contact_report.hpp"
+#include "host/commands/contact_report.hpp"
 
 #include <cmath>
 #include <cstdio>
