@@ -1,10 +1,7 @@
 // A condition of the thesis (Tables 2–10) as inputs of the contact analysis. Pure; thread-safe.
 #pragma once
 
-#include <algorithm>
-
 #include "common/contact/integration/peaks.hpp"
-#include "common/contact/integration/stiffness.hpp"
 #include "common/contact/standard_error.hpp"
 #include "common/data/thesis_data.hpp"
 
@@ -35,18 +32,6 @@ inline SpinPulseSd spin_pulse_sd(const thesis::Condition& c) {
   sd.mu = c.mu.sd;
   sd.dwell_s = c.dwell_time_ms.sd / 1e3;
   return sd;
-}
-
-/// With the means' largest measured drop, for explain_stiffness().
-inline PublishedStiffness published_stiffness(const thesis::Condition& c, const data::ContactSet& set,
-                                              double stiffness_npm) {
-  PublishedStiffness out{.input = spin_pulse_input(c, impact::PulseForm::exact),
-                         .vy_lo_mps = c.vy_lo_mps.mean,
-                         .stiffness = stiffness_npm,
-                         .measured_drop_m = 0.0};
-  for (const data::ContactRow& row : set.rows)
-    out.measured_drop_m = std::max(out.measured_drop_m, -row.y_fraction * out.input.ball.diameter_m);
-  return out;
 }
 
 inline EndVelocities end_velocities(const thesis::Condition& c) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/contact/condition_inputs.hpp"
+#include "common/contact/integration/stiffness.hpp"
 #include "common/contact/standard_error.hpp"
 #include "common/units/angles.hpp"
 #include "host/thesis/table.hpp"
@@ -259,15 +260,7 @@ Table see_of_all_table(const ThesisInputs& m) {
   return table;
 }
 
-// Beyond the thesis: how stiff the contact is by several readings, what Freund's stiffnesses may have been
-// computed from, and how deep the ball's top goes.
-
-namespace {
-
-using impact::PulseForm;
-using thesis::Condition;
-
-}  // namespace
+// Beyond the thesis: how stiff the contact is by several readings, and how deep the ball's top goes.
 
 Table stiffness_table(const ThesisInputs& m) {
   Table table{.id = "stiffness", .title = "Stiffness of the contact by several readings"};
@@ -294,37 +287,6 @@ Table stiffness_table(const ThesisInputs& m) {
       "the contact is no linear spring, so that its readings differ; Freund measured at 17 degrees; to "
       "deepest and to "
       "peak force: the time to it is a quarter of a period"};
-  return table;
-}
-
-Table freund_table(const ThesisInputs& m) {
-  Table table{.id = "freund", .title = "What Freund's stiffnesses may have been computed from"};
-  std::vector<contact::PublishedStiffness> published;
-  for (const thesis::PrintedValue& v : m.values) {
-    if (v.table != "freund") continue;
-    published.push_back(
-        contact::published_stiffness(*m.used.condition(v.set), m.used.contact.at(v.set), 1e3 * v.value));
-    table.columns.push_back({v.set + "_knpm", v.set, "kN/m", 1});
-  }
-  table.columns.push_back({"common_ratio", "Freund over it", "", 2});
-  table.columns.push_back({"spread", "spread of that", "", 3});
-  const auto guesses = contact::explain_stiffness(published);
-  if (!guesses) return table;
-  Row printed{"as printed", {}};
-  for (const contact::PublishedStiffness& p : published)
-    printed.cells.push_back(computed_only(p.stiffness / 1e3));
-  printed.cells.resize(table.columns.size());
-  table.rows.push_back(std::move(printed));
-  for (const contact::StiffnessHypothesis& guess : *guesses) {
-    Row row{std::string(guess.name), {}};
-    for (const double k : guess.predicted) row.cells.push_back(computed_only(k / 1e3));
-    row.cells.push_back(computed_only(guess.common_ratio));
-    row.cells.push_back(computed_only(guess.spread));
-    table.rows.push_back(std::move(row));
-  }
-  table.notes = {
-      "a guess explains the numbers where Freund over it is 1, and is proportional to them where the spread "
-      "(sd of the logarithms of the ratios) is no more than rounding's"};
   return table;
 }
 

@@ -35,17 +35,12 @@ Table peaks_of_all_table(const ThesisInputs& inputs);
 Table see_table(const ThesisInputs& inputs);
 Table see_of_all_table(const ThesisInputs& inputs);
 Table stiffness_table(const ThesisInputs& inputs);
-Table freund_table(const ThesisInputs& inputs);
 Table depth_table(const ThesisInputs& inputs);
 
 /// Leave-one-out cross-validation of the pulse, of cubics and of splines.
 Table cross_validation_table(const ThesisInputs& inputs);
 
-/// Rebound models: speed and spin at lift-off against all sets, their fits, regimes, rolling friction.
-Table vx_model_table(const ThesisInputs& inputs);
-Table omega_model_table(const ThesisInputs& inputs);
-Table fit_table(const ThesisInputs& inputs);
-Table regime_table(const ThesisInputs& inputs);
+/// Rolling friction of each set.
 Table rolling_table(const ThesisInputs& inputs);
 
 /// Contact ODE: its fit, the skid-to-grip time, the energy.

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/contact/condition_inputs.hpp"
+#include "common/contact/integration/stiffness.hpp"
 #include "common/contact/standard_error.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
@@ -42,14 +43,6 @@ ContactSet set_on_arc(double error) {
 
 SpinPulseInput condition(const std::string& name, PulseForm form) {
   return contact::spin_pulse_input(*thesis_data(thesis::Version::corrected).condition(name), form);
-}
-
-std::vector<contact::PublishedStiffness> freund() {
-  const thesis::Data& data = thesis_data(thesis::Version::corrected);
-  std::vector<contact::PublishedStiffness> out;
-  for (const auto& [name, npm] : {std::pair{"zero_17", 20.1e3}, {"top_18", 23.8e3}, {"back_17", 19.3e3}})
-    out.push_back(contact::published_stiffness(*data.condition(name), data.contact.at(name), npm));
-  return out;
 }
 
 }  // namespace
@@ -254,22 +247,6 @@ TEST(ContactStiffness, OfKelvinAndVoigtBringsBackRestitutionAndDwell) {
     DOUBLES_EQUAL(-e, v, 1e-10);
     DOUBLES_EQUAL(0.0, acceleration(depth, v) * in.dwell_s, 1e-8);
   }
-}
-
-// Three published values of three digits: within rounding (.05 of 19.3 to 23.8 kN/m, so .0026 relative) one
-// depth of 6.75 mm under the pulse's largest force explains them, and no stiffness of the contact itself
-// does.
-TEST(ContactStiffness, PublishedAtSeventeenDegreesIsThePeakForceOverOneDepthAndNoReadingOfTheContact) {
-  const auto guesses = contact::explain_stiffness(freund());
-  for (const auto& guess : *guesses) {
-    const bool force_of_the_impulse = guess.name == "half wave of the measured impulse over one depth" ||
-                                      guess.name == "pulse's largest force over one depth";
-    CHECK_EQUAL_TEXT(force_of_the_impulse, guess.spread < 0.0026, std::string(guess.name).c_str());
-    if (!force_of_the_impulse) CHECK_TEXT(guess.spread > 0.015, std::string(guess.name).c_str());
-  }
-  for (const double depth_m : contact::fixed_depth_m(freund()))
-    DOUBLES_EQUAL(6.75e-3, depth_m, 0.0026 * 6.75e-3);
-  CHECK_FALSE(contact::explain_stiffness({}).has_value());
 }
 
 TEST_GROUP(DropRatios){};

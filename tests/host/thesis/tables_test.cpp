@@ -161,7 +161,7 @@ TEST(ThesisTables, OfOneSetHaveItsRowsOnly) {
   LONGS_EQUAL(1, incoming_table(one, 4, "back").rows.size());
   CHECK_EQUAL("back_40", see_table(one).rows.at(0).label);
   LONGS_EQUAL(3, cubic_table(one).rows.size());
-  LONGS_EQUAL(1, vx_model_table(one).rows.size());
+  LONGS_EQUAL(1, rolling_table(one).rows.size());
 }
 
 TEST(ThesisTables, ForetellImagesThatLieOnThePulseByThePulse) {
