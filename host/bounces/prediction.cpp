@@ -1,6 +1,7 @@
 #include "host/bounces/prediction.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <string>
 
@@ -233,6 +234,7 @@ std::optional<Balance> balance_of(const Case& c, bool with_weight) {
 }
 
 MeanAlpha mean_of(std::span<const published::Measured> alphas) {
+  assert(std::ranges::all_of(alphas, [](const published::Measured& a) { return a.sd > 0.0; }));
   double weights = 0.0, sum = 0.0;
   for (const published::Measured& a : alphas) {
     weights += 1.0 / (a.sd * a.sd);

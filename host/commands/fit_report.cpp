@@ -150,7 +150,7 @@ ordered_json posterior_json(const impact::ModelFit& fit) {
   out["sd_over_prior_sd"] = shares;
   out["correlation_parameters"] = names;
   out["correlation"] = matrix;
-  out["untold"] = untold(fit);
+  out["untold"] = left_open(fit);
   return out;
 }
 
@@ -314,7 +314,7 @@ void print_posterior(const FitReport& r) {
     write_out(fmt::format("; ends of intervals within {:.1f} sd of Laplace's{}", q.laplace_shift,
                           q.reliable ? "" : "; too few draws for reliable intervals: more --draws"));
   write_out("\nprior, 95 %:" + priors_text(q) + "\n");
-  for (const std::string& line : untold(r.fit)) write_out("not told: " + line + "\n");
+  for (const std::string& line : left_open(r.fit)) write_out("not told: " + line + "\n");
 }
 
 std::string statistics_text(const impact::ResidualStatistics& a) {
@@ -444,7 +444,7 @@ std::string about_pair(const impact::ModelFit& fit, std::size_t i, std::size_t j
 
 }  // namespace
 
-std::vector<std::string> untold(const impact::ModelFit& fit) {
+std::vector<std::string> left_open(const impact::ModelFit& fit) {
   std::vector<std::string> out;
   if (!fit.posterior) return out;
   const impact::Posterior& q = *fit.posterior;

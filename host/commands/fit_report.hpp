@@ -28,7 +28,7 @@ double from_display_unit(impact::Parameter parameter, double value);
 const char* display_unit(impact::Parameter parameter);  ///< " mm", " m/s", " ms" or ""
 
 /// What the data do not tell, a line each: parameters as uncertain as before, pairs of which only a combination is known.
-std::vector<std::string> untold(const impact::ModelFit& fit);
+std::vector<std::string> left_open(const impact::ModelFit& fit);
 
 /// Lines of type "fit", then "observation" for each, then "left_out" for each group and "validation".
 void print_fit_json(const FitReport& report);

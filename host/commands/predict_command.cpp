@@ -223,8 +223,9 @@ void print_contact(const impact::ContactTrajectory& contact) {
 /// A header and a row for each state.
 void print_trajectory(const impact::ContactTrajectory& contact, int samples) {
   for (int i = 0; i < samples; ++i) {
+    const ordered_json state = state_json(contact, i, samples);
     std::string names, values;
-    for (const auto& [name, value] : state_json(contact, i, samples).items()) {
+    for (const auto& [name, value] : state.items()) {
       const std::string text =
           value.is_string() ? value.get<std::string>() : fmt::format("{}", value.get<double>());
       names += (names.empty() ? "" : ",") + name;

@@ -81,13 +81,13 @@ std::vector<Sheet> sheets(const thesis::ThesisInputs& inputs, const ThesisOption
   return out;
 }
 
-void tell_progress(std::size_t done, std::size_t of, const fs::path& file) {
+void show_progress(std::size_t done, std::size_t of, const fs::path& file) {
   const bool terminal = isatty(STDERR_FILENO) != 0;
   std::fprintf(stderr, "%sfigure %zu of %zu: %s%s", terminal ? "\r\033[K" : "", done, of, file.c_str(),
                terminal && done < of ? "" : "\n");
 }
 
-void tell_figure(const figures::Figure& figure, const fs::path& base, bool json) {
+void print_figure(const figures::Figure& figure, const fs::path& base, bool json) {
   if (!json) return;
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   for (const char* kind : {".svg", ".csv"}) files.push_back(base.string() + kind);
@@ -117,10 +117,10 @@ int draw_figures(const thesis::ThesisInputs& inputs, const ThesisOptions& option
       if (interrupted()) return failed("thesis: interrupted; the figures drawn so far are whole");
       const std::string stem = fmt::format("figure_{:02}", figure.number);
       const fs::path base = sheet.folder / stem;
-      tell_progress(++done, of, base);
+      show_progress(++done, of, base);
       if (const auto drawn = figures::write_figure(figure, sheet.folder, stem); !drawn)
         return failed("thesis: " + drawn.error().message);
-      tell_figure(figure, base, options.json);
+      print_figure(figure, base, options.json);
     }
   }
   if (!options.json) std::printf("%zu figures in %s\n", done, options.figures.c_str());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -258,6 +259,11 @@ std::string remarks_alone(const Table& table) {
   return out;
 }
 
+[[maybe_unused]] bool is_rectangular(const Table& table) {
+  return std::ranges::all_of(table.rows,
+                             [&table](const Row& row) { return row.cells.size() == table.columns.size(); });
+}
+
 ordered_json json_of(const Cell& cell) {
   ordered_json out = ordered_json::object();
   if (!cell.text.empty()) out["text"] = cell.text;
@@ -283,6 +289,7 @@ ordered_json json_of(const Cell& cell) {
 }  // namespace
 
 std::string text(const Table& table) {
+  assert(is_rectangular(table));
   const bool numbered = table.id.find_first_not_of("0123456789") == std::string::npos;
   std::string out = numbered ? fmt::format("Table {}. {}\n", table.id, table.title)
                              : fmt::format("Table \"{}\". {}\n", table.id, table.title);
@@ -292,6 +299,7 @@ std::string text(const Table& table) {
 }
 
 std::string json(const Table& table) {
+  assert(is_rectangular(table));
   ordered_json columns = ordered_json::array();
   for (const Column& column : table.columns) columns.push_back({{"key", column.key}, {"unit", column.unit}});
   ordered_json rows = ordered_json::array();
