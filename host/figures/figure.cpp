@@ -122,8 +122,8 @@ Axis log_axis_for(const std::vector<double>& values) {
   Axis axis{.low = low / room, .high = high * room, .logarithmic = true};
   const double decades = std::log10(axis.high / axis.low);
   const int step = static_cast<int>(std::ceil(decades / 10.0));
-  for (int power = static_cast<int>(std::floor(std::log10(axis.low))); std::pow(10.0, power) <= axis.high;
-       power += step) {
+  const int first = step * static_cast<int>(std::floor(std::log10(axis.low) / step));
+  for (int power = first; std::pow(10.0, power) <= axis.high; power += step) {
     for (const double factor : {1.0, 2.0, 5.0}) {
       const double at = factor * std::pow(10.0, power);
       if (factor > 1.0 && decades > 2.0) break;

@@ -113,7 +113,7 @@ TEST(ReportChart, IsWrittenWithItsNumbersToAFolderThatIsMadeForIt) {
               strobe::testing::read_text(folder / "new" / "folder" / "figure_04.csv"));
   const auto parsed = parse_html(strobe::testing::read_text(folder / "new" / "folder" / "figure_04.svg"));
   CHECK_TEXT(parsed.well_formed, parsed.problem.c_str());
-  CHECK(parsed.text.starts_with("Figure 4. Bob's <ball>\nc\n"));
+  STRCMP_CONTAINS("Figure 4. Bob's <ball>\n", parsed.text.c_str());
   strobe::testing::write_text(folder / "file", "");
   STRCMP_CONTAINS("inside: cannot be made",
                   write_figure(figure, folder / "file" / "inside", "f").error().message.c_str());
