@@ -294,8 +294,8 @@ int main(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
-  } catch (const CLI::Success& told) {  // help, or the version
-    return app.exit(told);
+  } catch (const CLI::Success& shown) {  // help, or the version
+    return app.exit(shown);
   } catch (const CLI::ParseError& error) {
     std::cerr << strobe::command_line::complaint(app, error) << '\n';
     return 2;

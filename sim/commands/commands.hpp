@@ -108,7 +108,7 @@ struct BoardOptions {
 /// Writes photographs of a calibration board, and the truth about them.
 int board_command(const BoardOptions& options);
 
-/// The model that a tolerance as typed allows (empty: full), told on stderr. 0, or the exit status after the message.
+/// The model that a tolerance as typed allows (empty: full), printed on stderr. 0, or the exit status after the message.
 int choose_model(const std::string& tolerance, const Scene& scene, const ShootSettings& settings,
                  Model& model);
 

@@ -37,8 +37,7 @@ class TimeKeeper {
   std::thread thread_;
 };
 
-// Whether all threads of some programs sleep, as /proc tells it: a snapshot in which none of them ran. One thread.
-
+/// Whether all threads of some programs sleep, as /proc tells it: a snapshot in which none of them ran. One thread.
 class ThreadStates {
  public:
   /// `excepted`: a thread that does not count, the caller's own.

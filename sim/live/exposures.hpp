@@ -38,8 +38,7 @@ class ExposureStore {
   std::optional<MonoTime> exposing_since_;
 };
 
-// The file of true values, one JSON object per line, flushed per shot. Thread-safe.
-
+/// The file of true values, one JSON object per line, flushed per shot. Thread-safe.
 class TruthFile {
  public:
   /// An empty path writes nothing. Fails if the file cannot be made.

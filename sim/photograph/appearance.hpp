@@ -72,9 +72,8 @@ class Optics {
   Eigen::Vector2d foot_px_ = Eigen::Vector2d::Zero();  ///< of the axis; x to the right, y up
 };
 
-// Appearance of one photograph: the scene's settings, with random values for those that they leave open.
-// Plain values; thread-safe.
-
+/// Appearance of one photograph: the scene's settings, with random values for those that they leave open.
+/// Plain values; thread-safe.
 struct BallAppearance {
   BallSurface surface = BallSurface::felt;
   bool line = true;

@@ -42,15 +42,14 @@ class BallTexture {
   std::vector<float> hair_px_;
 };
 
-// How much light a ball under two lamps sends along each pixel's rays. Made once for a photograph; read-only
-// and thread-safe after that.
-//
-// A ball's image is what each ray meets: the sphere (X, Y, z; radius R), its normal n there, and for each
-// lamp in direction l at distance d the light (d0/d)²·[max(0, n·l)^falloff + sheen·(1 - n·v)²·sqrt(max(0,
-// n·l))] (felt's hair catches light towards the limb), times the skin's albedo and the line's darkness. Rays
-// that meet the sphere below the surface meet the plate instead. Pixels on the outline and on the flat side
-// are the mean of kGrid² rays, each with a coverage that falls over its own width.
-
+/// How much light a ball under two lamps sends along each pixel's rays. Made once for a photograph; read-only
+/// and thread-safe after that.
+///
+/// A ball's image is what each ray meets: the sphere (X, Y, z; radius R), its normal n there, and for each
+/// lamp in direction l at distance d the light (d0/d)²·[max(0, n·l)^falloff + sheen·(1 - n·v)²·sqrt(max(0,
+/// n·l))] (felt's hair catches light towards the limb), times the skin's albedo and the line's darkness. Rays
+/// that meet the sphere below the surface meet the plate instead. Pixels on the outline and on the flat side
+/// are the mean of kGrid² rays, each with a coverage that falls over its own width.
 class BallLight {
  public:
   BallLight(const Scene& scene, const Appearance& appearance);

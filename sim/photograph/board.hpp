@@ -59,8 +59,7 @@ BoardPhotograph photograph_board(const BoardCamera& camera, const Board& board, 
 std::string board_truth_json(const BoardCamera& camera, const Board& board, const BoardPlace& place,
                              const BoardPhotograph& photograph, const std::string& file);
 
-// A calibration board seen by a scene's camera, as a lab photographs one before its balls. Pure; thread-safe.
-
+/// A calibration board seen by a scene's camera, as a lab photographs one before its balls. Pure; thread-safe.
 struct BoardView {
   BoardCamera camera;  ///< the scene's: size, scale, the lens's place and distortion
   BoardPlace place;    ///< in the balls' plane, in the middle of the photograph

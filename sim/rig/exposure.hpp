@@ -72,9 +72,8 @@ struct FilmImage {
 /// than is simulated there is no image.
 std::vector<FilmImage> film_images(const Scene& scene, const Exposure& exposure);
 
-// One strobe lamp: a delay, some jitter, a capacitor that must recharge, and faults.
-// Virtual time, no clock; one object per lamp, not thread-safe; allocates only if a fault occurs.
-
+/// One strobe lamp: a delay, some jitter, a capacitor that must recharge, and faults.
+/// Virtual time, no clock; one object per lamp, not thread-safe; allocates only if a fault occurs.
 class LampModel {
  public:
   /// `scene` must outlive the lamp.

@@ -32,7 +32,7 @@ struct Networks {
   Network a, b;
 
   template <typename Condition>
-  void take_in(std::chrono::milliseconds limit, const Condition& done) {
+  void receive(std::chrono::milliseconds limit, const Condition& done) {
     const std::int64_t end = strobe::testing::monotonic_now_ns() + std::chrono::nanoseconds(limit).count();
     while (!done() && strobe::testing::monotonic_now_ns() < end) {
       a.lcm.handleTimeout(1);
@@ -42,8 +42,8 @@ struct Networks {
   /// Until that much was heard, or the limit has passed, which no busy machine needs; then a little longer, for what
   /// should not come.
   void expect(std::int64_t at_a, std::int64_t at_b) {
-    take_in(10s, [&] { return a.heard >= at_a && b.heard >= at_b; });
-    take_in(50ms, [] { return false; });
+    receive(10s, [&] { return a.heard >= at_a && b.heard >= at_b; });
+    receive(50ms, [] { return false; });
     LONGS_EQUAL(at_a, a.heard);
     LONGS_EQUAL(at_b, b.heard);
   }
@@ -76,7 +76,7 @@ TEST(LossyLink, LosesDoublesAndDelaysAsOftenAsItIsTold) {
   Networks networks;
   const LossyLink relay(networks.a.url, networks.b.url, {0.5, 0.25, 0.25, 20}, 1);
   networks.a.send(1000);
-  networks.take_in(10s, [&] { return relay.counts().came == 1000; });
+  networks.receive(10s, [&] { return relay.counts().came == 1000; });
   const LinkCounts counts = relay.counts();
   networks.expect(1000, 1000 - counts.lost + counts.doubled);
   LONGS_EQUAL(1000, counts.came);
@@ -91,7 +91,7 @@ TEST(LossyLink, CarriesNothingWhileItIsCut) {
   LossyLink relay(networks.a.url, networks.b.url, {}, 1);
   relay.cut(true);
   networks.a.send(10);
-  networks.take_in(10s, [&] { return relay.counts().cut == 10; });
+  networks.receive(10s, [&] { return relay.counts().cut == 10; });
   networks.expect(10, 0);
   LONGS_EQUAL(10, relay.counts().cut);
   relay.cut(false);

@@ -49,8 +49,7 @@ class LineChanges {
 
 inline const std::vector<std::string> kOutputs{"STROBE_A", "STROBE_B", "SHUTTER", "TRIGGER"};
 
-// Watches a bench's lines while it works, so that a test can act at an instant of a shot.
-
+/// Watches a bench's lines while it works, so that a test can act at an instant of a shot.
 class LineWatcher {
  public:
   /// Sees changes from now on. std::runtime_error if there is no chip.

@@ -77,8 +77,7 @@ class VirtualHost final : host::Transport, host::Clock, host::HostListener {
   std::vector<std::string> notifications_;
 };
 
-// A host's machine in the virtual lab: its clocks, its session folder's log, and the host that runs on it. One thread's.
-
+/// A host's machine in the virtual lab: its clocks, its session folder's log, and the host that runs on it. One thread's.
 struct HostMachine {
   HostMachine(Receiver as, Random& random)
       : receiver(as),
