@@ -1,6 +1,6 @@
 // A few ends of the shipped firmware; a campaign of thousands also judges by the millisecond.
 #include "tests/campaigns/ends.hpp"
-#include "tests/campaigns/campaign.hpp"
+#include "tests/campaigns/drawn_trials.hpp"
 
 using namespace strobe::ends;
 using strobe::campaigns::Draws;

@@ -2,7 +2,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <string>
 
-#include "tests/campaigns/campaign.hpp"
+#include "tests/campaigns/drawn_trials.hpp"
 #include "tests/campaigns/loss.hpp"
 #include "tests/support/private_network.hpp"
 #include "tests/support/process.hpp"

@@ -1,6 +1,6 @@
 // A few sessions that are interrupted and gone on with. Nothing here judges time.
 #include "tests/campaigns/resume.hpp"
-#include "tests/campaigns/campaign.hpp"
+#include "tests/campaigns/drawn_trials.hpp"
 
 using namespace strobe::resume;
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tests/campaigns/campaign.hpp"
+#include "tests/campaigns/drawn_trials.hpp"
 #include "tests/campaigns/storage.hpp"
 
 #include "tests/support/string_from.hpp"

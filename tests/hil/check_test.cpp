@@ -7,10 +7,10 @@
 #include "firmware/core/rig_file.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "tests/hil/line_changes.hpp"
-#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/private_network.hpp"
 
+#include "tests/hil/expectations.hpp"
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <string>
 
-#include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/support/json_lines.hpp"
 
+#include "tests/hil/expectations.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"
 
+#include "tests/hil/expectations.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;

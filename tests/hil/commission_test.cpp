@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/process.hpp"
 
+#include "tests/hil/expectations.hpp"
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;

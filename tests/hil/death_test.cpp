@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "tests/benchmarks/timing/freeze_detector.hpp"
-#include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/line_changes.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/support/fake_service_manager.hpp"
 #include "tests/support/skip.hpp"
 
+#include "tests/hil/expectations.hpp"
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;

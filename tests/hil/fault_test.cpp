@@ -10,8 +10,9 @@
 
 #include "tests/hil/line_changes.hpp"
 #include "tests/hil/raw_host.hpp"
-#include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/truth_score.hpp"
+
+#include "tests/hil/expectations.hpp"
 #include "tests/support/string_from.hpp"
 
 #include <CppUTest/TestHarness.h>

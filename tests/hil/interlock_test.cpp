@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/line_changes.hpp"
 #include "tests/hil/raw_host.hpp"
 
+#include "tests/hil/expectations.hpp"
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;

@@ -5,13 +5,13 @@
 #include <string>
 
 #include "tests/hil/line_changes.hpp"
-#include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/truth_score.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/string_from.hpp"
 #include "tests/support/temporary_folder.hpp"
 
+#include "tests/hil/expectations.hpp"
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;

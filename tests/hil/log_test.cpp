@@ -6,9 +6,9 @@
 #include <set>
 #include <string>
 
-#include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/raw_host.hpp"
 
+#include "tests/hil/expectations.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;

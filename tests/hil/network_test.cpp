@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <string>
 
-#include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/support/fake_service_manager.hpp"
 #include "tests/support/private_network.hpp"
 #include "tests/support/temporary_folder.hpp"
 
+#include "tests/hil/expectations.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;

@@ -14,8 +14,6 @@
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
-
 namespace strobe::hil {
 
 /// For what must come: only a failure waits so long, however busy the machine.
@@ -114,24 +112,6 @@ std::vector<nlohmann::json> readouts(const std::string& out);
 std::string readout_lines(const std::string& out);
 
 bool has_flag(const nlohmann::json& readout, const std::string& flag);
-
-// The first check of most tests on a bench.
-
-inline void expect_ready(RigFixture& bench) {
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-}
-
-/// One whose strobed has come up.
-struct ReadyRig : RigFixture {
-  explicit ReadyRig(const RigFixtureOptions& options = {}) : RigFixture(options) { expect_ready(*this); }
-};
-
-/// A command run to its end, which must come with this exit status.
-inline testing::CompletedProcess ran(const testing::Command& command, int code = 0) {
-  auto done = testing::run_process(command, kLongestWait);
-  CHECK_TEXT(done.status == testing::ExitStatus({code, 0}), (done.out + done.err).c_str());
-  return done;
-}
 
 // Rigs whose shots are soon over, and what a host leaves of them.
 

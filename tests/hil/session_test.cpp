@@ -10,8 +10,9 @@
 #include "common/wire/log_reader.hpp"
 #include "tests/hil/line_changes.hpp"
 #include "tests/hil/raw_host.hpp"
-#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
+
+#include "tests/hil/expectations.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;

@@ -5,7 +5,8 @@
 #include <string>
 
 #include "tests/hil/raw_host.hpp"
-#include "tests/hil/rig_fixture.hpp"
+
+#include "tests/hil/expectations.hpp"
 #include "tests/support/string_from.hpp"
 
 #include <CppUTest/TestHarness.h>

@@ -11,8 +11,8 @@
 
 #include "tests/hil/line_changes.hpp"
 #include "tests/hil/raw_host.hpp"
-#include "tests/hil/rig_fixture.hpp"
 
+#include "tests/hil/expectations.hpp"
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;

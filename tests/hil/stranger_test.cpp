@@ -9,12 +9,12 @@
 #include "common/messages/channels.hpp"
 #include "firmware/publisher/command_feed.hpp"
 #include "host/messages/lcm_link.hpp"
-#include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/support/private_network.hpp"
 #include "tests/support/sealed_sender.hpp"
 #include "tests/support/skip.hpp"
 
+#include "tests/hil/expectations.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;
