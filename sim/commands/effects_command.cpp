@@ -80,7 +80,7 @@ void print_text(const Study& study) {
     fmt::print("{:<22} {:<28} {}\n", term.name,
                change_text(term.bound, study.scale[term.quantity], term.quantity),
                reduction::name(term.quantity));
-  fmt::print("\n{}\na shot takes {:.0f} us so, {:.0f} us with everything: {:.2f} times as fast\n",
+  fmt::print("\n{}\na shot then takes {:.0f} us, with everything {:.0f} us: {:.2f} times as fast\n",
              explanation(study.choice, study.scene), study.chosen_us, study.full_us,
              study.full_us / study.chosen_us);
 }
