@@ -5,9 +5,8 @@
 #include "common/messages/channels.hpp"
 #include "firmware/linux/system_clock.hpp"
 #include "firmware/publisher/lcm_bus.hpp"
+#include "firmware/publisher/messages.hpp"
 #include "firmware/publisher/receiver.hpp"
-#include "firmware/publisher/sealed_bus.hpp"
-#include "firmware/publisher/status_message.hpp"
 
 namespace strobe::firmware {
 

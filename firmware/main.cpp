@@ -16,7 +16,7 @@
 #include "common/wire/lcm_url.hpp"
 #include "firmware/alarm.hpp"
 #include "firmware/check.hpp"
-#include "firmware/core/rig_file.hpp"
+#include "firmware/core/rig.hpp"
 #include "firmware/linux/gpio_outputs.hpp"
 #include "firmware/worker.hpp"
 

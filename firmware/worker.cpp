@@ -27,7 +27,6 @@
 #include "firmware/publisher/lcm_bus.hpp"
 #include "firmware/publisher/publisher.hpp"
 #include "firmware/publisher/receiver.hpp"
-#include "firmware/publisher/sealed_bus.hpp"
 
 namespace strobe::firmware {
 

@@ -15,6 +15,7 @@ MonoTime begin_of(const FlashRecord& flash) {
 }  // namespace
 
 void EdgeAssignment::open(ShotRecord& record, Duration shortest) noexcept {
+  assert(shortest > Duration{});
   record_ = &record;
   record_->flashes.clear();
   shortest_ = shortest;
@@ -31,6 +32,7 @@ void EdgeAssignment::plan(MonoTime commanded, Lamps lamps) noexcept {
 
 void EdgeAssignment::issued(std::int32_t flash_index, MonoTime start, MonoTime end) noexcept {
   assert(flash_index >= 0 && static_cast<std::size_t>(flash_index) < record_->flashes.size());
+  assert(start <= end);
   FlashRecord& flash = record_->flashes[static_cast<std::size_t>(flash_index)];
   flash.issue_start = start;
   flash.issue_end = end;
@@ -52,6 +54,7 @@ void EdgeAssignment::edge(Input sensor, MonoTime seen) noexcept {
   if (record_ == nullptr) return;
   FlashRecord* flash = latest_begun_by(seen);
   if (flash == nullptr) return;
+  assert(begin_of(*flash) <= seen);
   const Duration since_begin = seen - (begin_of(*flash) + kEarly);
   if (since_begin >= until_next(*flash)) return;
   MonoTime& observed = sensor == Input::sensor_a ? flash->observed_a : flash->observed_b;

@@ -1,6 +1,7 @@
 #include "firmware/core/guarded_outputs.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace strobe::firmware {
 
@@ -14,6 +15,7 @@ GuardedOutputs::GuardedOutputs(const Rig& rig, Clock& clock, OutputLines& lines)
 Issue GuardedOutputs::activate(Output output, MonoTime commanded, Duration width, MonoTime now,
                                Lamps lamps) noexcept {
   Pulse& pulse = pulses_[index_of(output)];
+  assert(width > Duration{} && pulse.longest > Duration{});
   Issue issue{commanded, now, {}, false};
   issue.done = output == Output::strobes ? lines_.set_lamps(lamps) : lines_.set(output, true);
   if (!issue.done) failed_ = true;
@@ -22,6 +24,7 @@ Issue GuardedOutputs::activate(Output output, MonoTime commanded, Duration width
   pulse.active = true;
   pulse.since = issue.start;
   pulse.off_at = issue.end + std::min(width, pulse.longest);
+  assert(issue.end >= issue.start && pulse.off_at <= issue.end + pulse.longest);
   return issue;
 }
 
@@ -30,6 +33,7 @@ Issue GuardedOutputs::deactivate(Output output, MonoTime now) noexcept {
   Issue issue{pulse.off_at, now, {}, false};
   issue.done = lines_.set(output, false);
   issue.end = clock_.now();
+  assert(issue.end >= issue.start);
   if (!issue.done) broken_ = failed_ = true;
   if (pulse.active) pulse.last_on_time = issue.end - pulse.since;
   pulse.active = false;
@@ -39,6 +43,7 @@ Issue GuardedOutputs::deactivate(Output output, MonoTime now) noexcept {
 bool GuardedOutputs::all_off() noexcept {
   bool done = true;
   for (const Output output : kOutputs) done = deactivate(output, clock_.now()).done && done;
+  assert(!any_active() && done == !broken_);
   return done;
 }
 
@@ -55,6 +60,7 @@ MonoTime GuardedOutputs::next_off() const noexcept {
 }
 
 Output GuardedOutputs::next_off_output() const noexcept {
+  assert(any_active());
   for (const Output output : kOutputs) {
     const Pulse& pulse = pulses_[index_of(output)];
     if (pulse.active && pulse.off_at == next_off()) return output;

@@ -76,11 +76,13 @@ void build_schedule(const ShotPlan& plan, const Rig& rig, PulseSchedule& schedul
   std::sort(schedule.pulses.begin(), schedule.pulses.end(), [](const PlannedPulse& a, const PlannedPulse& b) {
     return a.at != b.at ? a.at < b.at : index_of(a.output) > index_of(b.output);  // the machine last
   });
+  assert(schedule.pulses.front().at >= Duration{} && schedule.exposure_end > schedule.exposure_begin);
 }
 
 bool add_burst(const ShotPlan& plan, const Rig& rig, Duration first, PulseSchedule& schedule) noexcept {
   if (first + length_of(plan, schedule.flash_count) + rig.lamps.pulse > schedule.exposure_end) return false;
   add_train(plan, rig, first, schedule);
+  assert(schedule.pulses.back().at <= schedule.exposure_end);
   return true;
 }
 

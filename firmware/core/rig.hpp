@@ -1,17 +1,43 @@
-// The rig as configured: lines, limits and times of rig.toml, in the firmware's units. Plain values, filled
-// once before the loop starts (core/rig_file.hpp), then only read.
+// The rig as configured: lines, limits and times of rig.toml, in the firmware's units. Plain values, read once before the
+// loop starts, then only looked at.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "common/result.hpp"
 #include "common/units/time.hpp"
-#include "firmware/core/bias.hpp"
 #include "firmware/ports/event_sink.hpp"
 
 namespace strobe::firmware {
+
+/// What a chip's own resistor does to an input.
+enum class Bias {
+  as_is,  ///< as whoever had the line before left it; after a reset, as the chip's maker chose for that line
+  pull_up,
+  pull_down,
+  disabled,
+};
+
+/// As in the rig file.
+inline constexpr std::array<std::string_view, 4> kBiasNames{"as_is", "pull_up", "pull_down", "disabled"};
+constexpr std::string_view name(Bias bias) { return kBiasNames[static_cast<std::size_t>(bias)]; }
+
+constexpr bool pulls(Bias bias) { return bias == Bias::pull_up || bias == Bias::pull_down; }
+/// Of one that pulls.
+constexpr Bias opposite(Bias bias) { return bias == Bias::pull_up ? Bias::pull_down : Bias::pull_up; }
+
+/// Pulls an open wire to where the e-stop reads as pressed, or the key as off; nullopt for a line whose broken wire
+/// stops nothing.
+constexpr std::optional<Bias> fail_safe_bias(Line line, bool active_low) {
+  if (line == Line::estop) return active_low ? Bias::pull_down : Bias::pull_up;
+  if (line == Line::key) return active_low ? Bias::pull_up : Bias::pull_down;
+  return std::nullopt;
+}
 
 struct LineConfig {
   bool fitted = false;
@@ -79,5 +105,9 @@ struct Rig {
 
 /// The key of a line in [lines], e.g. "strobe_a".
 const char* line_key(Line line);
+
+/// Reads rig.toml. Every value is checked; the first error names file, line and key. [ball], [analysis] and [camera] belong
+/// to the host and are not checked. file_name: for errors. Pure; allocates; thread-safe.
+Result<Rig> read_rig(std::string_view text, const std::string& file_name);
 
 }  // namespace strobe::firmware

@@ -55,7 +55,7 @@ void Sequencer::start_interlock() noexcept {
 
 void Sequencer::apply(Interlock::Effect effect) noexcept {
   using Kind = Interlock::Effect::Kind;
-  if (effect.kind == Kind::abort) player_.abort(effect.why);
+  if (effect.kind == Kind::abort) player_.stop(effect.why);
   if (effect.kind == Kind::disarmed) report(EventKind::disarmed, effect.why);
 }
 
@@ -148,6 +148,16 @@ void Sequencer::reset(const Command& command) noexcept {
   if (const char* why = interlock_.reset(command.host_id, acted, clock_.now())) return refuse(command, why);
   if (news) report(EventKind::reset, host_of(command));
 }
+
+namespace {
+
+/// What an armed rig needs (SAFETY.md).
+bool may_be_armed(const Interlock& interlock) {
+  const bool at_rest = interlock.fault_text()[0] == '\0' && interlock.stop_text()[0] == '\0';
+  return at_rest && interlock.key_active() && !interlock.estop_active() && interlock.arm_host() != 0;
+}
+
+}  // namespace
 
 void Sequencer::clear(const Command& command) noexcept {
   if (const char* why = interlock_.clear()) return refuse(command, why);
@@ -243,6 +253,8 @@ bool Sequencer::step(MonoTime latest) noexcept {
   report_status();
   assert((interlock_.state() == State::firing) == player_.busy());
   assert(player_.busy() || !outputs_.any_active());
+  assert(player_.busy() || !interlock_.trigger_pending());
+  assert(interlock_.state() != State::armed || may_be_armed(interlock_));
   return !outputs_.broken();
 }
 
@@ -253,6 +265,7 @@ bool Sequencer::stop(const ShortText& why) noexcept {
     edges_.wait(std::min(player_.next_due(), clock_.now() + milliseconds(1)), edge_buffer_);
     player_.run_due();
   }
+  assert(!safe || !outputs_.any_active());
   report(EventKind::stopped, why);
   report_status();
   sink_.flush();

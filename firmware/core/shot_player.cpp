@@ -52,6 +52,7 @@ void ShotPlayer::report(EventKind kind, MonoTime time, const ShortText& detail) 
 
 void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& record) noexcept {
   assert(phase_ == Phase::idle && interlock_.state() == State::firing);
+  assert(shot_id == interlock_.shot_id() && !outputs_.any_active());
   const MonoTime now = clock_.now();
   record_ = &record;
   record.shot_id = shot_id;
@@ -67,6 +68,7 @@ void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& re
   overflows_before_ = sink_.overflows();
   kernel_overflows_before_ = edges_.kernel_overflows();
   build_schedule(record.plan, rig_, schedule_);
+  assert(interlock_.trigger_pending() == !record.plan.dry);
   record.start = record.start + tick_avoidance_.delay(record.start, schedule_);
   edge_assignment_.open(record, schedule_.shortest_interval);
   for (const PlannedPulse& pulse : schedule_.pulses) {
@@ -183,6 +185,7 @@ bool ShotPlayer::lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexce
 }
 
 void ShotPlayer::flash(const PlannedPulse& pulse, MonoTime now) noexcept {
+  assert(pulse.flash_index >= 0 && pulse.flash_index < schedule_.flash_count);
   if (!lamps_recharged(pulse, now)) return;
   const Issue issue = outputs_.activate(Output::strobes, at(pulse.at), pulse.width, now, pulse.lamps);
   // Wherever in the call the line changed, the lamp has not flashed after it.
@@ -200,6 +203,7 @@ void ShotPlayer::trigger(const PlannedPulse& pulse) noexcept {
   if (!*key) return abort("the key is off");
   if (*estop) return abort("the e-stop is pressed");
   if (!interlock_.release_trigger(record_->shot_id)) return abort("the interlock withheld the trigger");
+  assert(!record_->plan.dry && !known(record_->trigger) && !interlock_.trigger_pending());
   const Issue issue = outputs_.activate(Output::trigger, at(pulse.at), pulse.width, clock_.now());
   record_->trigger = issue.end;
   gate_counts_from_ = issue.end;
@@ -208,6 +212,7 @@ void ShotPlayer::trigger(const PlannedPulse& pulse) noexcept {
 }
 
 void ShotPlayer::shutter(const PlannedPulse& pulse, MonoTime now) noexcept {
+  assert(!known(record_->shutter_on));
   const Issue issue = outputs_.activate(Output::shutter, at(pulse.at), pulse.width, now);
   record_->shutter_on = issue.end;
   record_->shutter_open = issue.end + rig_.shutter.lag;
@@ -288,6 +293,7 @@ ShutterFeedback ShotPlayer::shutter_feedback() const noexcept {
 }
 
 void ShotPlayer::close() noexcept {
+  assert(phase_ == Phase::playing && (outputs_.broken() || !outputs_.any_active()));
   phase_ = Phase::closing;
   closes_at_ = clock_.now() + kEdgeTimeout;
   if (rig_.line(Line::xsync).fitted && shutter_seen_open_ && !shutter_seen_closed_)
@@ -295,6 +301,7 @@ void ShotPlayer::close() noexcept {
 }
 
 void ShotPlayer::gate(MonoTime stamp) noexcept {
+  assert(!known(record_->trigger) || gate_counts_from_ == record_->trigger);
   const bool is_the_ball = known(gate_counts_from_) && stamp >= gate_counts_from_;
   if (phase_ != Phase::playing || !is_the_ball || known(record_->gate)) return;
   record_->gate = stamp;
@@ -310,11 +317,22 @@ void ShotPlayer::gate(MonoTime stamp) noexcept {
   }
 }
 
+void ShotPlayer::stop(const ShortText& why) noexcept {
+  if (phase_ != Phase::playing) return;
+  cut_short(why);
+  assert(!interlock_.trigger_pending());
+}
+
 void ShotPlayer::abort(const ShortText& why) noexcept {
   if (phase_ != Phase::playing) return;
+  cut_short(why);
+  interlock_.aborted();
+}
+
+void ShotPlayer::cut_short(const ShortText& why) noexcept {
+  assert(phase_ == Phase::playing && record_->abort_reason.empty());
   const bool shutter_was_open = outputs_.active(Output::shutter);
   outputs_.all_off();  // a failure is the sequencer's to act on
-  interlock_.aborted();
   if (shutter_was_open) {
     record_->shutter_off = clock_.now();
     record_->shutter_close = record_->shutter_off + rig_.shutter.lag;

@@ -7,7 +7,7 @@
 #include "firmware/core/guarded_outputs.hpp"
 #include "firmware/core/interlock.hpp"
 #include "firmware/core/pulse_schedule.hpp"
-#include "firmware/core/tick_avoidance.hpp"
+#include "firmware/core/tick.hpp"
 #include "firmware/ports/command_source.hpp"
 #include "firmware/ports/edge_source.hpp"
 
@@ -34,6 +34,9 @@ class ShotPlayer {
   std::int32_t shot_id() const noexcept { return busy() ? record_->shot_id : 0; }
   MonoTime next_due() const noexcept;    ///< kNoDeadline if there is nothing to do
   void edge(const Edge& edge) noexcept;  ///< of a sensor, the gate or the shutter's contact
+  /// Ends the shot under way, if there is one: the interlock has ordered it, and withheld the trigger.
+  void stop(const ShortText& why) noexcept;
+  /// Likewise for a reason that the interlock does not know: it withholds the trigger from now on.
   void abort(const ShortText& why) noexcept;
   /// Issues what is due within the spin time, and ends the shot when it is over.
   void run_due() noexcept;
@@ -51,6 +54,7 @@ class ShotPlayer {
   void switch_off(Output output, MonoTime now) noexcept;
   void gate(MonoTime stamp) noexcept;
   void xsync(const Edge& edge) noexcept;
+  void cut_short(const ShortText& why) noexcept;
   void close() noexcept;
   ShutterFeedback shutter_feedback() const noexcept;
   bool lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexcept;

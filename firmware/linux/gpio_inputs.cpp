@@ -7,7 +7,7 @@
 #include <cstring>
 #include <ctime>
 
-#include "firmware/linux/gpio_chip.hpp"
+#include "firmware/gpio/gpio_chip.hpp"
 #include "firmware/linux/gpio_inputs.hpp"
 #include "firmware/linux/input_bias.hpp"
 #include "firmware/linux/rig_lines.hpp"

@@ -7,7 +7,7 @@
 
 #include "common/result.hpp"
 #include "firmware/core/rig.hpp"
-#include "firmware/linux/gpio_chip.hpp"
+#include "firmware/gpio/gpio_chip.hpp"
 #include "firmware/ports/output_lines.hpp"
 
 namespace strobe::firmware {

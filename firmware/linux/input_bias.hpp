@@ -11,8 +11,8 @@
 
 #include "common/result.hpp"
 #include "firmware/core/rig.hpp"
+#include "firmware/gpio/gpio_chip.hpp"
 #include "firmware/linux/check_item.hpp"
-#include "firmware/linux/gpio_chip.hpp"
 
 namespace strobe::firmware {
 

@@ -2,7 +2,6 @@
 
 #include <cerrno>
 
-#include "firmware/linux/chip_path.hpp"
 #include "firmware/linux/input_bias.hpp"
 #include "firmware/linux/rig_lines.hpp"
 

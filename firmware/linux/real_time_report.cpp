@@ -3,16 +3,153 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <map>
+#include <optional>
 #include <sstream>
+#include <utility>
 
 #include "firmware/core/cpu_budget.hpp"
 #include "firmware/linux/interrupts.hpp"
-#include "firmware/linux/machine_set_up.hpp"
-#include "firmware/linux/preemption.hpp"
 
 namespace strobe::firmware {
 
 namespace {
+
+/// How far the kernel lets a real-time thread interrupt other programs' system calls, which bounds how late a
+/// wake-up comes on a busy CPU.
+enum class Preemption {
+  none,       ///< a wake-up waits until a system call on its CPU returns or blocks
+  voluntary,  ///< or reaches an explicit preemption point
+  full,       ///< until locks are released and interrupt handlers end (also: lazy)
+  real_time,  ///< PREEMPT_RT: those are preempted, too
+  unknown     ///< cannot be read
+};
+
+struct PreemptionModel {
+  Preemption model = Preemption::unknown;
+  std::string source;       ///< the file it was read from
+  bool switchable = false;  ///< by preempt=... on the kernel's command line, or by root at run time
+};
+
+std::optional<Preemption> by_name(const std::string& name) {
+  if (name == "none") return Preemption::none;
+  if (name == "voluntary") return Preemption::voluntary;
+  if (name == "full" || name == "lazy") return Preemption::full;
+  return std::nullopt;
+}
+
+bool has_word(const std::string& text, const std::string& word) {
+  std::istringstream words(text);
+  for (std::string each; words >> each;) {
+    if (each == word) return true;
+  }
+  return false;
+}
+
+/// "none (voluntary) full": the one in brackets rules.
+std::optional<Preemption> in_brackets(const std::string& models) {
+  const std::size_t open = models.find('(');
+  const std::size_t close = models.find(')', open);
+  if (open == std::string::npos || close == std::string::npos) return std::nullopt;
+  return by_name(models.substr(open + 1, close - open - 1));
+}
+
+/// Of several the last one counts.
+std::optional<Preemption> on_command_line(const std::string& line) {
+  const std::string key = "preempt=";
+  std::optional<Preemption> chosen;
+  std::istringstream words(line);
+  for (std::string word; words >> word;) {
+    if (word.compare(0, key.size(), key) != 0) continue;
+    if (const auto model = by_name(word.substr(key.size()))) chosen = model;
+  }
+  return chosen;
+}
+
+std::optional<Preemption> in_configuration(const std::string& text) {
+  constexpr std::array<std::pair<const char*, Preemption>, 4> kChoices{
+      {{"CONFIG_PREEMPT_NONE=y", Preemption::none},
+       {"CONFIG_PREEMPT_VOLUNTARY=y", Preemption::voluntary},
+       {"CONFIG_PREEMPT=y", Preemption::full},
+       {"CONFIG_PREEMPT_LAZY=y", Preemption::full}}};
+  for (const auto& [option, model] : kChoices) {
+    if (has_word(text, option)) return model;
+  }
+  return std::nullopt;
+}
+
+/// From /sys/kernel/realtime, the kernel's version, and for one built with PREEMPT_DYNAMIC: debugfs, the
+/// command line, the kernel's configuration in /boot, in this order.
+PreemptionModel read_preemption(const SystemFiles& files) {
+  const std::string realtime = "sys/kernel/realtime";
+  const std::string version = "proc/sys/kernel/version";
+  const std::string flags = files.read(version).value_or("");
+  if (files.read(realtime) == "1") return {Preemption::real_time, "/" + realtime, false};
+  if (has_word(flags, "PREEMPT_RT")) return {Preemption::real_time, "/" + version, false};
+
+  const std::string configuration = "boot/config-" + files.read("proc/sys/kernel/osrelease").value_or("");
+  const bool dynamic = has_word(flags, "PREEMPT_DYNAMIC");
+  if (dynamic) {
+    const std::string debug = "sys/kernel/debug/sched/preempt";
+    if (const auto model = in_brackets(files.read(debug).value_or(""))) return {*model, "/" + debug, true};
+    const std::string line = "proc/cmdline";
+    if (const auto model = on_command_line(files.read(line).value_or(""))) return {*model, "/" + line, true};
+  } else if (has_word(flags, "PREEMPT")) {
+    return {Preemption::full, "/" + version, false};
+  }
+  if (const auto model = in_configuration(files.read(configuration).value_or("")))
+    return {*model, "/" + configuration, dynamic};
+  return {Preemption::unknown, flags.empty() ? "" : "/" + version, dynamic};
+}
+
+/// Adds to the kernel's command line: where a Raspberry Pi's firmware reads it, else by GRUB. Good after a reboot.
+std::string add_boot_options(const std::string& options, const SystemFiles& files) {
+  const std::string raspberry_pi = "boot/firmware/cmdline.txt";
+  if (files.read(raspberry_pi)) return "sed -i '1s/$/ " + options + "/' /" + raspberry_pi;
+  return "mkdir -p /etc/default/grub.d && echo 'GRUB_CMDLINE_LINUX=\"$GRUB_CMDLINE_LINUX " + options +
+         "\"' > /etc/default/grub.d/strobe.cfg && update-grub";
+}
+
+/// Installs Debian's kernel with PREEMPT_RT; nullopt for a machine that has none.
+std::optional<std::string> install_rt_kernel(const SystemFiles& files) {
+  const std::string machine = files.read("proc/sys/kernel/arch").value_or("");
+  if (machine == "x86_64") return "apt install linux-image-rt-amd64";
+  if (machine == "aarch64") return "apt install linux-image-rt-arm64";
+  return std::nullopt;
+}
+
+std::string set_performance_governor(int cpu) {
+  return "echo performance > /sys/devices/system/cpu/cpu" + std::to_string(cpu) + "/cpufreq/scaling_governor";
+}
+
+std::string set_real_time_runtime() {
+  return "echo kernel.sched_rt_runtime_us=950000 > /etc/sysctl.d/60-strobe.conf && sysctl --system";
+}
+
+/// Adds a limit to those that a login of the group gpio gets, e.g. "rtprio 99".
+std::string allow_at_login(const std::string& limit) {
+  return "echo '@gpio - " + limit + "' >> /etc/security/limits.d/strobe.conf";
+}
+
+/// The CPU to give to the loop: of those with the fewest interrupts that nobody can move, the last one.
+int best_cpu(const SystemFiles& files) {
+  std::map<int, int> fixed;  // by CPU
+  for (const int cpu : parse_cpu_list(files.read("sys/devices/system/cpu/online").value_or("0")))
+    fixed[cpu] = 0;
+  for (const Interrupt& interrupt : read_interrupts(files)) {
+    if (interrupt.movable) continue;
+    for (const int cpu : interrupt.cpus)
+      if (fixed.contains(cpu)) ++fixed[cpu];
+  }
+  int best = 0;
+  int fewest = -1;
+  for (const auto& [cpu, count] : fixed) {
+    if (fewest >= 0 && count > fewest) continue;
+    best = cpu;
+    fewest = count;
+  }
+  return best;
+}
 
 using Verdict = CheckItem::Verdict;
 

@@ -1,16 +1,40 @@
-// State that worker and guardian share: a page of shared memory, and an eventfd that wakes the guardian.
-// Thread-safe, process-safe, real-time safe (but for waiting).
+// What worker and guardian share: a page of memory, and an eventfd that wakes the guardian.
 #pragma once
 
+#include <pthread.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cstdint>
 
-#include "firmware/linux/lifeline.hpp"
-
 namespace strobe::firmware {
 
+/// Tells of the death of another process's thread, of whatever cause, before the kernel takes apart that process's
+/// memory (which may take milliseconds) and long before it lets go of its descriptors. In memory that both processes
+/// share. A robust mutex: a waiter is woken as one of the first things of the holder's end.
+class Lifeline {
+ public:
+  Lifeline();
+  Lifeline(const Lifeline&) = delete;
+  Lifeline& operator=(const Lifeline&) = delete;
+
+  /// The calling thread is watched from now on: once, before anybody waits.
+  void hold() noexcept { pthread_mutex_lock(&mutex_); }
+  /// By the holder, which ends in good order.
+  void let_go() noexcept { pthread_mutex_unlock(&mutex_); }
+  /// Waits for the holder's end. Returns true if it died, false if it let go. For one waiter, once.
+  bool wait_for_death() noexcept;
+  /// Whether it has, without waiting: for another thread of the waiter's process. Real-time safe.
+  bool holder_died() noexcept;
+
+ private:
+  void take_over(int lock_result) noexcept;
+
+  pthread_mutex_t mutex_;
+  std::atomic<bool> died_{false};
+};
+
+/// Thread-safe, process-safe, real-time safe (but for waiting).
 struct SharedStatus {
   Lifeline loop;                          ///< held by the worker's loop from before the worker is ready
   Lifeline guardian;                      ///< held by the guardian's main thread from before the fork
@@ -26,8 +50,8 @@ struct SharedStatus {
   std::atomic<std::int64_t> publisher_heartbeat_ns{0};
   std::atomic<std::int64_t> guardian_heartbeat_ns{0};
   std::atomic<std::int64_t> host_heard_ns{0};  ///< CLOCK_BOOTTIME of a host's newest command; 0: none yet
-  int event_fd = -1;       ///< an eventfd; set before the fork
-  pid_t guardian_pid = 0;  ///< set before the fork
+  int event_fd = -1;                           ///< an eventfd; set before the fork
+  pid_t guardian_pid = 0;                      ///< set before the fork
 
   void notify() const noexcept {
     const std::uint64_t one = 1;

@@ -6,7 +6,7 @@
 
 #include "common/shot/shot_plan.hpp"
 #include "common/units/time.hpp"
-#include "firmware/ports/fixed_text.hpp"
+#include "firmware/ports/truncating_string.hpp"
 
 namespace strobe::firmware {
 

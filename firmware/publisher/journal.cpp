@@ -6,7 +6,6 @@
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
-
 #include <cassert>
 #include <cerrno>
 #include <cstdio>
@@ -17,7 +16,7 @@
 #include "common/config/files.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/wire/lcm_log_record.hpp"
-#include "firmware/publisher/start_order.hpp"
+#include "firmware/publisher/journal_folder.hpp"
 
 namespace strobe::firmware {
 
@@ -160,6 +159,21 @@ Result<void> Journal::free_room() const {
   const auto wanted = static_cast<std::uintmax_t>(kShotRoom);
   if (std::uintmax_t{system.f_bavail} * system.f_frsize >= wanted) return {};
   return fail(path_.string() + ": no room for another shot: " + std::strerror(ENOSPC));
+}
+
+bool DamageCheck::step() {
+  const wire::LogReader::Step step = log_.advance(record_);
+  if (step == wire::LogReader::Step::record) {
+    damaged_ += record_.offset - whole_end_;
+    whole_end_ = log_.at();
+  }
+  return step != wire::LogReader::Step::end;
+}
+
+std::string DamageCheck::finding() const {
+  if (damaged_ == 0) return "";
+  return "boot " + boot_in_hex(boot_id_) + ": " + std::to_string(damaged_) +
+         " bytes in the middle of its journal are damaged";
 }
 
 }  // namespace strobe::firmware

@@ -1,5 +1,4 @@
 // From the loop to the publisher: a lock-free queue of one producer and one consumer, allocated at the start.
-// The loop calls the EventSink (real-time safe), the publisher pop() and what follows it.
 #pragma once
 
 #include <atomic>
@@ -12,10 +11,27 @@
 #include "firmware/core/rig.hpp"
 #include "firmware/ports/event_sink.hpp"
 #include "firmware/ports/wake.hpp"
-#include "firmware/publisher/spsc_queue.hpp"
+
+// moodycamel's queue is annotated for the thread sanitizer, which does not see its fences under g++ and would report every
+// hand-over as a race.
+#ifdef __SANITIZE_THREAD__
+#include <sanitizer/tsan_interface.h>
+namespace strobe::firmware {
+inline int tsan_fence;
+}
+#define AE_TSAN_ANNOTATE_RELEASE() __tsan_release(&strobe::firmware::tsan_fence)
+#define AE_TSAN_ANNOTATE_ACQUIRE() __tsan_acquire(&strobe::firmware::tsan_fence)
+#endif
+
+#include <readerwriterqueue/readerwriterqueue.h>
 
 namespace strobe::firmware {
 
+/// Allocates at construction only, as long as try_enqueue() is used.
+template <typename T>
+using SpscQueue = moodycamel::ReaderWriterQueue<T>;
+
+/// The loop calls the EventSink (real-time safe), the publisher pop() and what follows it.
 class LoopQueue final : public EventSink {
  public:
   /// More than a shot's events: for each flash an issue and two sensor edges, and a sensor that chatters.

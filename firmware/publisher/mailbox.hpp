@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "firmware/publisher/messages.hpp"
-#include "firmware/publisher/resend_queue.hpp"
+#include "firmware/publisher/resend.hpp"
 
 namespace strobe::firmware {
 

@@ -157,6 +157,7 @@ void Publisher::take(const LoopStatus& status) {
 }
 
 void Publisher::take(ShotRecord* record) {
+  assert(shot_first_sequence_ > 0 && shot_first_sequence_ <= sequence_);
   const SequenceRange sequences{shot_first_sequence_, sequence_};
   const auto notes = merged(rig_.record, mailbox_.take(record->host_id, record->command_id));
   outbox_.push_back({Message::Kind::shot, sequences, shot_channel_,
@@ -209,6 +210,7 @@ void Publisher::publish_outbox() {
     if (message.kind == Message::Kind::event) journalled_sequence_ = message.sequences.last;
   }
   outbox_.clear();
+  assert(journalled_sequence_ == sequence_);
 }
 
 void Publisher::publish_status() {

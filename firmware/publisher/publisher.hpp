@@ -12,14 +12,13 @@
 #include "firmware/core/shot_timing.hpp"
 #include "firmware/ports/clock.hpp"
 #include "firmware/ports/message_bus.hpp"
-#include "firmware/publisher/damage_check.hpp"
 #include "firmware/publisher/journal.hpp"
 #include "firmware/publisher/journal_folder.hpp"
 #include "firmware/publisher/loop_queue.hpp"
 #include "firmware/publisher/mailbox.hpp"
-#include "firmware/publisher/range_reader.hpp"
+#include "firmware/publisher/messages.hpp"
+#include "firmware/publisher/resend.hpp"
 #include "firmware/publisher/shot_numbers.hpp"
-#include "firmware/publisher/status_message.hpp"
 
 namespace strobe::firmware {
 

@@ -14,9 +14,9 @@
 #include "firmware/core/rig.hpp"
 #include "firmware/ports/command_source.hpp"
 #include "firmware/ports/wake.hpp"
+#include "firmware/publisher/loop_queue.hpp"
 #include "firmware/publisher/mailbox.hpp"
 #include "firmware/publisher/rejections.hpp"
-#include "firmware/publisher/spsc_queue.hpp"
 
 namespace strobe::firmware {
 

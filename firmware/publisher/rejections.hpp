@@ -1,19 +1,33 @@
-// Counts rejected commands and logs them at a limited rate: the first at once, then at most one line in ten
-// seconds. Counts may be read on any thread; all else is one thread's.
+// Packets of the command channel that were rejected: how many since the start, by reason, and a line now and then.
 #pragma once
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
 
 #include "common/authentication/rejection.hpp"
 #include "firmware/ports/clock.hpp"
-#include "firmware/publisher/rejected_commands.hpp"
 
 namespace strobe::firmware {
 
+/// By reason. A plain value.
+struct RejectedCommands {
+  std::array<std::int64_t, authentication::kRejectionCount> counts{};  ///< in the order of Rejection
+
+  std::int64_t& operator[](authentication::Rejection why) noexcept {
+    return counts[static_cast<std::size_t>(why)];
+  }
+  std::int64_t operator[](authentication::Rejection why) const noexcept {
+    return counts[static_cast<std::size_t>(why)];
+  }
+  bool operator==(const RejectedCommands&) const = default;
+};
+
+/// Counts rejected commands and logs them at a limited rate: the first at once, then at most one line in ten
+/// seconds. Counts may be read on any thread; all else is one thread's.
 class Rejections {
  public:
   using Say = std::function<void(const std::string&)>;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
@@ -70,6 +71,7 @@ Result<void> ShotNumbers::write(std::int32_t highest) const {
 }
 
 Result<void> ShotNumbers::set_aside(std::int32_t last_used) {
+  assert(last_used >= 0 && last_used <= limit_);
   if (limit_ - last_used >= kAtOnce / 2) return {};
   if (auto written = write(last_used + kAtOnce); !written) return written;
   limit_ = last_used + kAtOnce;
@@ -77,6 +79,7 @@ Result<void> ShotNumbers::set_aside(std::int32_t last_used) {
 }
 
 Result<void> ShotNumbers::give_back(std::int32_t last_used) {
+  assert(last_used >= 0 && last_used <= limit_);
   if (read(dir_) != limit_) return {};  // another start has set its own aside since
   limit_ = last_used;
   return write(last_used);

@@ -1,7 +1,7 @@
 // The rig files that are shipped for boards.
 #include <map>
 
-#include "firmware/core/rig_file.hpp"
+#include "firmware/core/rig.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include "tests/support/string_from.hpp"

@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-#include "firmware/publisher/start_order.hpp"
+#include "firmware/publisher/journal_folder.hpp"
 #include "tests/firmware/journal_messages.hpp"
 #include "tests/support/journal_entries.hpp"
 #include "tests/support/temporary_folder.hpp"

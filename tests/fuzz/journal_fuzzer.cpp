@@ -10,7 +10,7 @@
 
 #include "common/wire/log_reader.hpp"
 #include "firmware/publisher/journal_folder.hpp"
-#include "firmware/publisher/range_reader.hpp"
+#include "firmware/publisher/resend.hpp"
 #include "tests/fuzz/require.hpp"
 
 using namespace strobe::fuzz;

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "firmware/core/pulse_schedule.hpp"
-#include "firmware/core/rig_file.hpp"
+#include "firmware/core/rig.hpp"
 #include "tests/fuzz/require.hpp"
 
 using namespace strobe::fuzz;

@@ -10,7 +10,7 @@
 #include "firmware/ports/message_bus.hpp"
 #include "firmware/publisher/publisher.hpp"
 #include "firmware/publisher/receiver.hpp"
-#include "firmware/publisher/sealed_bus.hpp"
+#include "firmware/publisher/lcm_bus.hpp"
 
 namespace strobe::soak {
 

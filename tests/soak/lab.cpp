@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "firmware/core/rig_file.hpp"
+#include "firmware/core/rig.hpp"
 
 #include "tests/soak/lab_parts.hpp"
 #include "tests/support/temporary_folder.hpp"

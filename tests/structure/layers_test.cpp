@@ -33,6 +33,7 @@ const std::map<std::string, std::vector<Layer>> kLayers{
      {
          {"firmware/ports"},
          {"firmware/core"},
+         {"firmware/gpio"},
          {"firmware/linux", "firmware/publisher"},
          {"firmware"},
      }},

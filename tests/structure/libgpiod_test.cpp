@@ -16,7 +16,7 @@ namespace {
 
 using namespace strobe::structure;
 
-const std::vector<std::string> kPlaces{"firmware/linux/gpio_chip_v1.cpp", "firmware/linux/gpio_chip_v2.cpp"};
+const std::vector<std::string> kPlaces{"firmware/gpio/gpio_chip_v1.cpp", "firmware/gpio/gpio_chip_v2.cpp"};
 
 bool is_place(const std::string& path) {
   return std::find(kPlaces.begin(), kPlaces.end(), path) != kPlaces.end();

@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "firmware/core/rig_file.hpp"
+#include "firmware/core/rig.hpp"
 #include "firmware/core/sequencer.hpp"
 #include "firmware/linux/event_fd.hpp"
 #include "firmware/linux/gpio_inputs.hpp"

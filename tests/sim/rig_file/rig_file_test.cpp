@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/core/rig_file.hpp"
+#include "firmware/core/rig.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/photographs/digitize_settings.hpp"
 #include "sim/loading/load_scene.hpp"

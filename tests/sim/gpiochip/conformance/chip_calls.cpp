@@ -18,7 +18,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "firmware/linux/gpio_chip.hpp"
+#include "firmware/gpio/gpio_chip.hpp"
 #include "tests/sim/gpiochip/conformance/answers.hpp"
 
 namespace {

@@ -1,4 +1,4 @@
-#include "firmware/linux/lifeline.hpp"
+#include "firmware/linux/shared_status.hpp"
 
 #include <cerrno>
 

@@ -1,9 +1,7 @@
-#include "firmware/linux/chip_path.hpp"
-
 #include <cerrno>
 
+#include "firmware/linux/rig_lines.hpp"
 #include "tests/firmware/system_tree.hpp"
-
 #include "tests/support/string_from.hpp"
 
 using namespace strobe::firmware;

@@ -1,4 +1,4 @@
-#include "firmware/core/rig_file.hpp"
+#include "firmware/core/rig.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -13,7 +13,7 @@
 #include <tl/expected.hpp>
 
 #include "common/units/time.hpp"
-#include "firmware/core/bias.hpp"
+#include "firmware/core/rig.hpp"
 
 namespace strobe::firmware {
 

@@ -7,8 +7,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "firmware/linux/gpio_chip.hpp"
-#include "firmware/linux/system_files.hpp"
+#include "firmware/gpio/gpio_chip.hpp"
 
 namespace strobe::firmware {
 
@@ -68,8 +67,9 @@ ChipHandle open_labelled(const std::string& label) {
 
 ChipHandle open_chip(const std::string& which) {
   if (which.starts_with("/")) return ChipHandle(gpiod_chip_open(which.c_str()));
-  const std::string path = std::string(kDevices) + (is_number(which) ? "/gpiochip" : "/") + which;
-  if (is_number(which) || gpiod_is_gpiochip_device(path.c_str()))
+  const bool is_number = !which.empty() && which.find_first_not_of("0123456789") == std::string::npos;
+  const std::string path = std::string(kDevices) + (is_number ? "/gpiochip" : "/") + which;
+  if (is_number || gpiod_is_gpiochip_device(path.c_str()))
     return ChipHandle(gpiod_chip_open(path.c_str()));
   return open_labelled(which);
 }

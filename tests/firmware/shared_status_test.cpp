@@ -1,13 +1,11 @@
-#include "firmware/linux/lifeline.hpp"
-
+#include <csignal>
+#include <functional>
+#include <new>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <csignal>
-#include <functional>
-#include <new>
-
+#include "firmware/linux/shared_status.hpp"
 #include "tests/support/string_from.hpp"
 
 using strobe::firmware::Lifeline;

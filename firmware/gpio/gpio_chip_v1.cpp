@@ -5,7 +5,7 @@
 #include <cerrno>
 #include <vector>
 
-#include "firmware/linux/gpio_chip.hpp"
+#include "firmware/gpio/gpio_chip.hpp"
 
 namespace strobe::firmware {
 
