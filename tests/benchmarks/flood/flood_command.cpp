@@ -17,9 +17,7 @@
 
 #include "tests/benchmarks/command.hpp"
 #include "tests/benchmarks/timing/freeze_detector.hpp"
-#include "tests/benchmarks/timing/journalled_flash.hpp"
-#include "tests/benchmarks/timing/sample.hpp"
-#include "tests/benchmarks/timing/table.hpp"
+#include "tests/benchmarks/timing/figures.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"

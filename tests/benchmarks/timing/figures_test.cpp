@@ -1,9 +1,6 @@
 #include <numeric>
 
-#include "tests/benchmarks/timing/exceedance_plot.hpp"
-#include "tests/benchmarks/timing/journalled_flash.hpp"
-#include "tests/benchmarks/timing/sample.hpp"
-#include "tests/benchmarks/timing/table.hpp"
+#include "tests/benchmarks/timing/figures.hpp"
 
 #include "tests/support/string_from.hpp"
 

@@ -4,7 +4,7 @@
 // Percentiles of a real-time loop mean something only outside such freezes, so they are given with and
 // without them.
 //
-// By interrupts: each core takes a timer interrupt every millisecond and stamps it (core_interrupts.hpp). One
+// By interrupts: each core takes a timer interrupt every millisecond and stamps it (CoreInterrupts). One
 // that is 0.3 ms late or more means that the core stopped: nothing at all ran on it. A thread that wakes late
 // because the kernel runs something else is no freeze: interrupts continue. The limit comes from a loaded
 // machine (two cores copying memory and writing the disk): one interrupt in 60 was 20 us late, one in 500
@@ -25,16 +25,54 @@
 // them.
 #pragma once
 
+#include <time.h>
 #include <atomic>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "common/units/time.hpp"
-#include "tests/benchmarks/timing/core_interrupts.hpp"
 
 namespace strobe::benchmarks::timing {
+
+struct CoreInterrupt {
+  MonoTime at;
+  bool in_kernel = false;  ///< what it interrupted
+};
+
+/// A timer interrupt every millisecond on one core, time-stamped by the kernel within the interrupt itself
+/// (perf_event_open(2), the software event cpu-clock; CLOCK_MONOTONIC).
+///
+/// It comes at whole milliseconds, like the kernel's tick, whatever runs on the core: user code, a real-time
+/// thread, or the kernel in a section without preemption. Only a core that stands still, or a rare section
+/// with interrupts disabled, makes one late. Each costs some 2 us. Single-threaded.
+class CoreInterrupts {
+ public:
+  /// Returns nullopt if the kernel refuses (it needs root, CAP_PERFMON or perf_event_paranoid below 1), or never
+  /// starts them within 30 us of a whole millisecond. The calling thread moves to the core meanwhile, with
+  /// real-time priority 1.
+  static std::optional<CoreInterrupts> open(int cpu);
+  CoreInterrupts(CoreInterrupts&& other) noexcept;
+  CoreInterrupts& operator=(CoreInterrupts&&) = delete;
+  ~CoreInterrupts();
+
+  /// Appends the interrupts since the last call. Call it at least every 20 s: the kernel keeps no more.
+  /// Throws std::runtime_error if some were lost.
+  void take(std::vector<CoreInterrupt>& interrupts);
+
+  static constexpr Duration kPeriod = milliseconds(1);
+
+ private:
+  CoreInterrupts(int fd, char* pages) : fd_(fd), pages_(pages) {}
+  bool in_place();
+
+  int fd_ = -1;
+  char* pages_ = nullptr;
+  std::uint64_t read_ = 0;
+};
 
 struct Freeze {
   MonoTime begin;  ///< of the last sign of life: up to a period too early
@@ -90,5 +128,12 @@ bool stands_still_often(const std::vector<Freeze>& freezes, Duration watched);
 
 /// Whether the span [from, to] touches a freeze of that core; cpu -1: of any.
 bool within_freeze(const std::vector<Freeze>& freezes, MonoTime from, MonoTime to, int cpu = -1);
+
+/// The benchmark's clock port. Thread-safe, real-time safe.
+inline MonoTime now() {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return from_ns(t.tv_sec * 1'000'000'000 + t.tv_nsec);
+}
 
 }  // namespace strobe::benchmarks::timing

@@ -1,8 +1,7 @@
 #include "tests/benchmarks/timing/freeze_detector.hpp"
 
-#include "tests/benchmarks/timing/clock.hpp"
-#include "tests/benchmarks/timing/cyclictest.hpp"
-#include "tests/benchmarks/timing/kernel_activity.hpp"
+#include "tests/benchmarks/timing/figures.hpp"
+#include "tests/benchmarks/timing/figures.hpp"
 
 #include "tests/support/string_from.hpp"
 

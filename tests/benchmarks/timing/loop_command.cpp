@@ -1,4 +1,4 @@
-// strobe-bench loop: the child of the timing measurements (loop_run.hpp). Prints the loop's processor time in
+// strobe-bench loop: the child of the timing measurements (runs.hpp). Prints the loop's processor time in
 // s, shots and aborted shots, then commanded, issue start and issue end of every flash in ns.
 #include <poll.h>
 #include <pthread.h>
@@ -24,7 +24,7 @@
 #include "firmware/linux/tick_finder.hpp"
 #include "firmware/publisher/loop_queue.hpp"
 #include "tests/benchmarks/command.hpp"
-#include "tests/benchmarks/timing/loop_run.hpp"
+#include "tests/benchmarks/timing/runs.hpp"
 
 namespace {
 

@@ -1,22 +1,40 @@
 // What the studies of the loop's lateness share: options, loads one after the other, and how they end.
 #pragma once
 
+#include <sys/types.h>
 #include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "tests/benchmarks/timing/exceedance_plot.hpp"
+#include "tests/benchmarks/timing/figures.hpp"
 #include "tests/benchmarks/timing/freeze_detector.hpp"
-#include "tests/benchmarks/timing/load.hpp"
-#include "tests/benchmarks/timing/loop_run.hpp"
-#include "tests/benchmarks/timing/table.hpp"
+#include "tests/benchmarks/timing/runs.hpp"
 
 namespace CLI {
 class App;
 }
 
 namespace strobe::benchmarks::timing {
+
+inline const std::vector<std::string> kLoads{"idle", "cpu", "memory"};
+
+/// What else the machine does while the loop is measured: processes of ordinary priority that end with this object.
+class Load {
+ public:
+  /// "idle": nothing; "cpu": one busy process a core; "memory": one process a core that copies 64 MiB to and
+  /// fro, and one that writes 64 MiB to a file in the folder and syncs it, repeatedly.
+  Load(const std::string& kind, const std::filesystem::path& folder);
+  Load(const Load&) = delete;
+  Load& operator=(const Load&) = delete;
+  ~Load();
+
+ private:
+  template <typename Work>
+  void start(Work work);
+  std::vector<pid_t> processes_;
+  std::filesystem::path file_;
+};
 
 struct StudyOptions {
   int rounds = 3;

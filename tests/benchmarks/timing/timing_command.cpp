@@ -9,10 +9,8 @@
 #include <string>
 
 #include "tests/benchmarks/command.hpp"
-#include "tests/benchmarks/timing/cyclictest.hpp"
-#include "tests/benchmarks/timing/kernel_activity.hpp"
-#include "tests/benchmarks/timing/loop_run.hpp"
-#include "tests/benchmarks/timing/programs.hpp"
+#include "tests/benchmarks/timing/runs.hpp"
+#include "tests/benchmarks/timing/figures.hpp"
 #include "tests/benchmarks/timing/study.hpp"
 
 namespace strobe::benchmarks::timing {
