@@ -1,13 +1,35 @@
-// A straight line in the plane by total least squares. Pure; thread-safe, real-time safe, no allocation.
+// Rotation of the plane. Plain value; thread-safe, real-time safe, no allocation.
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 #include <span>
 
-#include "common/geometry/rotation.hpp"
-
 namespace strobe::geometry {
+
+/// Counter-clockwise rotation. Eigen's Rotation2D keeps the angle and takes its sine and cosine at each
+/// product; this keeps these two.
+class Rotation2d {
+ public:
+  Rotation2d() = default;  ///< the identity
+  explicit Rotation2d(double angle_rad) : cos_(std::cos(angle_rad)), sin_(std::sin(angle_rad)) {}
+
+  double cos() const { return cos_; }
+  double sin() const { return sin_; }
+  Rotation2d inverse() const { return {cos_, -sin_}; }
+  Eigen::Vector2d operator*(const Eigen::Vector2d& v) const {
+    return {cos_ * v.x() - sin_ * v.y(), sin_ * v.x() + cos_ * v.y()};
+  }
+
+ private:
+  Rotation2d(double cos, double sin) : cos_(cos), sin_(sin) {}
+
+  double cos_ = 1.0;
+  double sin_ = 0.0;
+};
+
+// A straight line in the plane by total least squares. Pure; thread-safe, real-time safe, no allocation.
 
 /// A line through `reference + centroid`. The two are kept apart so that coordinates far from zero do not
 /// round their differences.
@@ -30,5 +52,25 @@ struct Line {
 /// `min_spread` (the points are one point) or is not a number.
 std::optional<Line> fit_line(std::span<const Eigen::Vector2d> points, std::span<const double> weights = {},
                              double min_spread = 0.0);
+
+// The surface's axes on a photograph: origin on the surface line, x along it, y up from it.
+// Pure; thread-safe, real-time safe, no allocation.
+
+/// From the photograph (x right, y up) to the surface: shift to the surface points' centroid, rotation by
+/// -tilt, division by the scale and, for a ball that travels to the left, the mirror image.
+struct SurfaceFrame {
+  Line line;                 ///< of the surface, photograph's px; its left is up
+  double px_per_unit = 1.0;  ///< of the surface's coordinates: 1 for px, the scale for metres
+  bool mirrored = false;     ///< x points to the left
+
+  Eigen::Vector2d from_image(const Eigen::Vector2d& point_px) const {
+    const Eigen::Vector2d px = line.coordinates(point_px);
+    return {(mirrored ? -px.x() : px.x()) / px_per_unit, px.y() / px_per_unit};
+  }
+  Eigen::Vector2d to_image(const Eigen::Vector2d& point) const {
+    const Eigen::Vector2d px = point * px_per_unit;
+    return line.origin() + line.tilt * Eigen::Vector2d(mirrored ? -px.x() : px.x(), px.y());
+  }
+};
 
 }  // namespace strobe::geometry

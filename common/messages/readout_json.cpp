@@ -4,7 +4,7 @@
 #include "common/messages/json_conversions.hpp"
 #include "common/messages/or_null.hpp"
 #include "common/messages/parsed_json.hpp"
-#include "common/reduction/expanded_uncertainty.hpp"
+#include "common/reduction/uncertainty.hpp"
 
 namespace strobe::messages {
 namespace {

@@ -102,7 +102,7 @@ AirFit fit_air(const Observations& all, const flight::Aerodynamics& air, const A
   AirFit fit;
   fit.prior = prior;
   const bool any = std::ranges::any_of(prior, is_fitted);
-  if (!any || joint.degenerate || !joint.air_used) return fit;
+  if (!any || joint.degenerate() || !joint.air_used) return fit;
   set_accelerations(air, joint, fit);
   const Normal n = normal_equations(all, joint, fit);
   std::array<JointVector, kAirErrorCount> whitened;

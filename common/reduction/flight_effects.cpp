@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/reduction/court_pace.hpp"
+#include "common/reduction/propagate.hpp"
 #include "common/units/angles.hpp"
 
 namespace strobe::reduction {

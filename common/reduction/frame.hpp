@@ -1,5 +1,5 @@
 // A digitized photograph with the time of each image: what the reduction starts from.
-// Axes of the photograph: x right, y up, in pixels (or tablet units). Plain values, thread-safe.
+// Axes of the photograph: x right, y up, in pixels (or tablet units). Plain values and pure functions; thread-safe.
 #pragma once
 
 #include <array>
@@ -100,5 +100,11 @@ constexpr std::optional<NoiseSource> noise_source_from_name(std::string_view tex
   if (text == "residuals") return NoiseSource::residuals;
   return std::nullopt;
 }
+
+/// What is wrong with the frame, naming the field. Returns nullopt if it can be reduced.
+std::optional<std::string> validation_error(const Frame& frame);
+
+/// The frame's temperature, else the record's if that is a number within the valid range, else nullopt.
+std::optional<double> temperature_c(const Frame& frame);
 
 }  // namespace strobe::reduction

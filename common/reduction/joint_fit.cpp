@@ -3,21 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/reduction/householder_qr.hpp"
+#include "common/reduction/factorization.hpp"
 
 namespace strobe::reduction {
 namespace {
 
 using geometry::Rotation2d;
-
-/// Inverse of the Cholesky factor of an image's covariance.
-struct Whitening {
-  double xx = 1.0;
-  double yx = 0.0;
-  double yy = 1.0;
-  double first(double x) const { return xx * x; }
-  double second(double x, double y) const { return yx * x + yy * y; }
-};
 
 /// A flash's error in time moves the image along its path by `shift`. The determinant of L L^T + s s^T is a
 /// sum of squares, of which none can cancel another, however long the shift.
@@ -32,46 +23,6 @@ Whitening whitening(const Observations& all, const Observation& o, const Eigen::
   const double across = l.xx * shift.y() - l.yx * shift.x();
   const double yy = std::hypot(l.xx * l.yy, std::hypot(along, across)) / xx;
   return {1.0 / xx, -yx / xx / yy, 1.0 / yy};
-}
-
-ImageRows rows_of(const Observations& all, const JointFit& fit, const Rotation2d& tilt,
-                  const Observation& o) {
-  const std::size_t leg = leg_index(*o.leg);
-  const LegTime& times = fit.legs[leg];
-  const flight::Forcing& forcing = fit.forcing[leg];
-  const double* z = &fit.unknowns[kLegStart[leg]];
-  const double scale = fit.unknowns[kScale];
-  const double s = times.scaled(o.time_s);
-  const double t = s * times.span_s;
-  const Eigen::Vector2d bend =
-      tilt * (t * t * (0.5 * forcing.acceleration_mps2 + t * forcing.jerk_mps3 / 6.0));
-  const Eigen::Vector2d residual{o.centre_m.x() - (z[0] + z[2] * s + scale * bend.x()),
-                                 o.centre_m.y() - (z[1] + z[3] * s + scale * bend.y())};
-  // The air's pull depends on the velocity. The tilt is small enough to leave it out there.
-  const double half = 0.5 * t * s;
-  const Eigen::Matrix2d& by_v = forcing.by_velocity_per_s;
-  const Eigen::Vector2d columns[6] = {{1.0, 0.0},
-                                      {0.0, 1.0},
-                                      {s + half * by_v(0, 0), half * by_v(1, 0)},
-                                      {half * by_v(0, 1), s + half * by_v(1, 1)},
-                                      {-scale * bend.y(), scale * bend.x()},
-                                      bend};
-  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
-  if (o.time_sd_s > 0.0) {
-    const double sd = o.time_sd_s / times.span_s;
-    shift = {sd * z[2], sd * z[3]};
-  }
-  const Whitening w = whitening(all, o, shift);
-  ImageRows rows;
-  for (std::size_t c = 0; c < 6; ++c) {
-    rows.row[0][c] = w.first(columns[c].x());
-    rows.row[1][c] = w.second(columns[c].x(), columns[c].y());
-  }
-  rows.time_s = t;
-  rows.white[0] = w.xx, rows.white[1] = w.yx, rows.white[2] = w.yy;
-  rows.residual[0] = w.first(residual.x());
-  rows.residual[1] = w.second(residual.x(), residual.y());
-  return rows;
 }
 
 /// The whitened problem about the present unknowns, reduced to triangles.
@@ -135,7 +86,7 @@ class Problem {
       if (!o.use_centre) continue;
       const std::size_t leg = leg_index(*o.leg);
       if (!fit_.legs[leg].fitted) continue;
-      const ImageRows rows = rows_of(all_, fit_, tilt_, o);
+      const ImageRows rows = image_rows(all_, fit_, tilt_, o);
       for (std::size_t k = 0; k < 2; ++k) {
         const auto& r = rows.row[k];
         legs_[leg].add({r[0], r[1], r[2], r[3], r[4], r[5], rows.residual[k]}, next);
@@ -215,13 +166,44 @@ bool diverged(const JointFit& fit, double first_scale) {
 
 }  // namespace
 
-ImageRows image_rows(const Observations& all, const JointFit& fit, const Observation& image) {
-  return rows_of(all, fit, tilt_of(fit), image);
-}
-
 ImageRows image_rows(const Observations& all, const JointFit& fit, const Rotation2d& tilt,
-                     const Observation& image) {
-  return rows_of(all, fit, tilt, image);
+                     const Observation& o) {
+  const std::size_t leg = leg_index(*o.leg);
+  const LegTime& times = fit.legs[leg];
+  const flight::Forcing& forcing = fit.forcing[leg];
+  const double* z = &fit.unknowns[kLegStart[leg]];
+  const double scale = fit.unknowns[kScale];
+  const double s = times.scaled(o.time_s);
+  const double t = s * times.span_s;
+  const Eigen::Vector2d bend =
+      tilt * (t * t * (0.5 * forcing.acceleration_mps2 + t * forcing.jerk_mps3 / 6.0));
+  const Eigen::Vector2d residual{o.centre_m.x() - (z[0] + z[2] * s + scale * bend.x()),
+                                 o.centre_m.y() - (z[1] + z[3] * s + scale * bend.y())};
+  // The air's pull depends on the velocity. The tilt is small enough to leave it out there.
+  const double half = 0.5 * t * s;
+  const Eigen::Matrix2d& by_v = forcing.by_velocity_per_s;
+  const Eigen::Vector2d columns[6] = {{1.0, 0.0},
+                                      {0.0, 1.0},
+                                      {s + half * by_v(0, 0), half * by_v(1, 0)},
+                                      {half * by_v(0, 1), s + half * by_v(1, 1)},
+                                      {-scale * bend.y(), scale * bend.x()},
+                                      bend};
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+  if (o.time_sd_s > 0.0) {
+    const double sd = o.time_sd_s / times.span_s;
+    shift = {sd * z[2], sd * z[3]};
+  }
+  const Whitening w = whitening(all, o, shift);
+  ImageRows rows;
+  for (std::size_t c = 0; c < 6; ++c) {
+    rows.row[0][c] = w.first(columns[c].x());
+    rows.row[1][c] = w.second(columns[c].x(), columns[c].y());
+  }
+  rows.time_s = t;
+  rows.white = w;
+  rows.residual[0] = w.first(residual.x());
+  rows.residual[1] = w.second(residual.x(), residual.y());
+  return rows;
 }
 
 geometry::Rotation2d tilt_of(const JointFit& fit) { return Rotation2d(fit.unknowns[kTilt]); }
@@ -254,14 +236,20 @@ JointFit fit_joint(const Observations& all, const FlightModel& model) {
     const JointVector right = Problem(all, fit).factor(fit.factor);
     const JointVector change = fit.factor.unknowns(right);
     for (std::size_t i = 0; i < kJointCount; ++i) fit.unknowns[i] += change[i];
-    fit.degenerate = diverged(fit, all.scale.value_or(1.0));
-    if (fit.degenerate) break;
+    if (diverged(fit, all.scale.value_or(1.0))) {
+      fit.status = FitStatus::degenerate;
+      return fit;
+    }
     const double now = dot(right, right);
     const bool weights_settled = !time_noise || step >= 2;
     const bool small = now < kConverged || (step > 0 && now / before * now < kConverged);
-    if (small && weights_settled) break;
+    if (small && weights_settled) {
+      fit.status = FitStatus::converged;
+      return fit;
+    }
     before = now;
   }
+  fit.status = FitStatus::iteration_limit;
   return fit;
 }
 

@@ -8,8 +8,8 @@
 #include <array>
 
 #include "common/flight/aerodynamics.hpp"
+#include "common/reduction/factorization.hpp"
 #include "common/reduction/observations.hpp"
-#include "common/reduction/square_root_information.hpp"
 
 namespace strobe::reduction {
 
@@ -31,14 +31,23 @@ struct FlightModel {
   std::array<double, 2> more_lift_per_s{};  ///< see flight::forcing
 };
 
+/// Why an iteration ended.
+enum class FitStatus {
+  converged,
+  iteration_limit,  ///< near enough to go on: what is left is no measurement's size
+  degenerate,       ///< no scale, or no place, agrees with the measurements
+};
+
 struct JointFit {
   JointVector unknowns{};
   SquareRootInformation factor;  ///< the covariance's; zero rows for a leg that is not fitted
   std::array<LegTime, 2> legs;
   /// In the surface's axes at the leg's origin of time, as used.
   std::array<flight::Forcing, 2> forcing;
-  bool degenerate = false;  ///< no scale, or no place, agrees with the measurements
-  bool air_used = true;     ///< false: the legs are too long or too fast for the law of the drag
+  FitStatus status = FitStatus::iteration_limit;
+  bool air_used = true;  ///< false: the legs are too long or too fast for the law of the drag
+
+  bool degenerate() const { return status == FitStatus::degenerate; }
 };
 
 constexpr std::size_t leg_index(Leg leg) { return leg == Leg::rebound ? 1 : 0; }
@@ -47,24 +56,31 @@ constexpr std::size_t leg_index(Leg leg) { return leg == Leg::rebound ? 1 : 0; }
 /// images is not fitted. Stops within a millionth of an sd, mostly after two steps.
 JointFit fit_joint(const Observations& all, const FlightModel& model);
 
+/// Inverse of the Cholesky factor of an image's covariance.
+struct Whitening {
+  double xx = 1.0;
+  double yx = 0.0;
+  double yy = 1.0;
+  double first(double x) const { return xx * x; }
+  double second(double x, double y) const { return yx * x + yy * y; }
+};
+
 /// One image's centre: two rows divided by its noise (columns: the leg's x, y, vx * span, vy * span; tilt,
 /// scale), and the residuals. Flashes' errors in time are in the noise.
 struct ImageRows {
   std::array<double, 6> row[2];
   double residual[2];
-  double time_s = 0.0;   ///< from the leg's origin
-  double white[3] = {};  ///< xx, yx, yy of the inverse Cholesky factor of its noise
+  double time_s = 0.0;  ///< from the leg's origin
+  Whitening white;
 
   /// By how much an acceleration moves the image, divided by its noise. In the observations' axes, times the scale.
   Eigen::Vector2d moved_by(const Eigen::Vector2d& acceleration_mps2) const {
     const double factor = 0.5 * time_s * time_s;
     const double x = factor * acceleration_mps2.x();
-    return {white[0] * x, white[1] * x + white[2] * factor * acceleration_mps2.y()};
+    return {white.first(x), white.second(x, factor * acceleration_mps2.y())};
   }
 };
-/// `image` is airborne, its leg fitted.
-ImageRows image_rows(const Observations& all, const JointFit& fit, const Observation& image);
-/// For many images of one fit, whose tilt_of() is `tilt`.
+/// `image` is airborne, its leg fitted; `tilt` is the fit's tilt_of().
 ImageRows image_rows(const Observations& all, const JointFit& fit, const geometry::Rotation2d& tilt,
                      const Observation& image);
 

@@ -1,6 +1,14 @@
 #include "common/reduction/mixture.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
+#include <limits>
+#include <utility>
+
+#include "common/reduction/reduce.hpp"
+#include "common/statistics/distributions.hpp"
 
 namespace strobe::reduction {
 namespace {
@@ -35,6 +43,147 @@ void mix(const Moments& m, Quantity q, Readout& readout) {
     *readout.degrees_of_freedom[q] *= std::pow(1.0 + m.between / m.within, 2);
 }
 
+// Times that differ by this share of the shortest interval change a velocity by as much to first order, and to second
+// order by its square, 2.5e-5 of the velocity: a tenth of what the best photographs leave uncertain.
+constexpr double kLinearShare = 0.005;
+
+double shortest_interval_s(const Frame& frame) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < frame.images.size(); ++i)
+    shortest = std::min(shortest, frame.images[i].time_s - frame.images[i - 1].time_s);
+  return shortest;
+}
+
+/// Hypotheses whose times are alike, the likeliest first.
+struct Group {
+  std::vector<const AssignedTimes*> members;
+};
+
+/// What a readout's numbers are at other times than its own, to first order.
+std::array<double, kQuantityCount> changes(const Readout& readout, const AssignedTimes& own,
+                                           const AssignedTimes& other) {
+  std::array<double, kQuantityCount> sum{};
+  for (std::size_t i = 0; i < readout.by_time.size(); ++i) {
+    const double off_s = other.time_s[i] - own.time_s[i];
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += readout.by_time[i][k] * off_s;
+  }
+  return sum;
+}
+
+/// Of a group whose first member has this readout.
+MixtureComponent component_of(const Readout& readout, const Group& group) {
+  assert(!group.members.empty());
+  MixtureComponent all{readout.value, readout.sd, readout.sd_systematic, readout.regime, 0.0};
+  all.hypotheses = static_cast<int>(group.members.size());
+  std::array<double, kQuantityCount> mean{};
+  for (const AssignedTimes* one : group.members) {
+    all.weight += one->weight;
+    const double share = one->weight / all.weight;
+    const auto change = changes(readout, *group.members.front(), *one);
+    for (std::size_t k = 0; k < mean.size(); ++k) {
+      const double off = change[k] - mean[k];
+      mean[k] += share * off;
+      all.between[k] += share * ((1.0 - share) * off * off - all.between[k]);
+    }
+  }
+  for (std::size_t k = 0; k < mean.size(); ++k) {
+    auto& value = all.value[static_cast<Quantity>(k)];
+    if (value) *value += mean[k];
+  }
+  return all;
+}
+
+class Mixing {
+ public:
+  Mixing(const Frame& frame, std::span<const AssignedTimes> hypotheses)
+      : frame_(frame), linear_s_(kLinearShare * shortest_interval_s(frame)) {
+    for (const AssignedTimes& one : hypotheses) add(one);
+  }
+
+  /// `first`: the frame's own, with Readout::by_time.
+  std::vector<MixtureComponent> run(const Readout& first) const {
+    assert(!groups_.empty() && first.by_time.size() <= frame_.images.size());
+    std::vector<MixtureComponent> mixed{component_of(first, groups_.front())};
+    mixed.reserve(groups_.size());
+    for (std::size_t g = 1; g < groups_.size(); ++g) {
+      const auto readout = reduced(groups_[g], first.flight_effects);
+      if (readout) mixed.push_back(component_of(*readout, groups_[g]));
+    }
+    return mixed;
+  }
+
+ private:
+  void add(const AssignedTimes& one) {
+    const auto group =
+        std::ranges::find_if(groups_, [&](const Group& g) { return alike(*g.members.front(), one); });
+    if (group != groups_.end()) {
+      group->members.push_back(&one);
+    } else if (std::ssize(groups_) < kMaxReduced) {
+      groups_.push_back({{&one}});
+    }
+  }
+
+  bool alike(const AssignedTimes& a, const AssignedTimes& b) const {
+    for (std::size_t i = 0; i < frame_.images.size(); ++i)
+      if (!(std::abs(a.time_s[i] - b.time_s[i]) <= linear_s_)) return false;
+    return true;
+  }
+
+  /// With the same effects of the flight, so that numbers do not jump.
+  std::optional<Readout> reduced(const Group& group, const flight::Effects& effects) const {
+    Frame frame = frame_;
+    for (std::size_t i = 0; i < frame.images.size(); ++i)
+      frame.images[i].time_s = group.members.front()->time_s[i];
+    auto readout = reduce(frame, Estimator::best, {.effects = effects, .by_time = group.members.size() > 1});
+    if (!readout) return std::nullopt;
+    return std::move(*readout);
+  }
+
+  const Frame& frame_;
+  double linear_s_;
+  std::vector<Group> groups_;
+};
+
+double part_sd(const Budget& budget, Quantity q, bool systematic) {
+  double sd = 0.0;
+  for (const BudgetSource& s : budget.sources)
+    if (is_systematic(s.source) == systematic) sd = std::hypot(sd, s.of(q));
+  return sd;
+}
+
+/// Without Student's factor, as the lines are.
+double estimated_sd(const Readout& readout, Quantity q) {
+  const double sd = readout.sd[q].value_or(0.0);
+  const auto& freedom = readout.degrees_of_freedom[q];
+  return freedom && *freedom > 0.0 ? sd / statistics::student_t_sigma(*freedom) : sd;
+}
+
+void scale_part(Budget& budget, Quantity q, bool systematic, double to) {
+  const double now = part_sd(budget, q, systematic);
+  if (!(now > 0.0)) return;
+  for (BudgetSource& s : budget.sources)
+    if (is_systematic(s.source) == systematic) s.effect[static_cast<std::size_t>(q)] *= to / now;
+}
+
+void add_assignments(const Readout& readout, Budget& budget) {
+  BudgetSource assignment{.source = Source::assignment};
+  bool any = false;
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    const double between = readout.assignments->sd[q].value_or(0.0);
+    if (!(between > 0.0)) continue;
+    any = true;
+    const double sd = estimated_sd(readout, q);
+    scale_part(budget, q, false, std::sqrt(std::max(0.0, (sd - between) * (sd + between))));
+    scale_part(budget, q, true, readout.sd_systematic[q].value_or(0.0));
+    assignment.effect[i] = between;
+  }
+  if (!any) return;
+  const auto place = std::ranges::find_if(
+      budget.sources, [](const BudgetSource& s) { return s.source > Source::assignment; });
+  budget.sources.insert(place, assignment);
+}
+
 }  // namespace
 
 void mix(std::span<const MixtureComponent> hypotheses, Readout& likeliest) {
@@ -63,6 +212,22 @@ bool mixture_ambiguous(const Readout& mixture) {
     if (between && all && 2.0 * *between * *between > *all * *all) return true;
   }
   return false;
+}
+
+Result<Readout> reduce_hypotheses(const Frame& frame, std::span<const AssignedTimes> hypotheses) {
+  auto readout = reduce(frame, Estimator::best, {.by_time = hypotheses.size() > 1});
+  if (!readout || hypotheses.empty()) return readout;
+  mix(Mixing(frame, hypotheses).run(*readout), *readout);
+  readout->by_time.clear();
+  return readout;
+}
+
+Budget mixture_budget(const Frame& frame, const Readout& mixture) {
+  if (frame.images.empty()) return {};
+  auto budget = uncertainty_budget(frame);
+  if (!budget) return {};
+  if (mixture.assignments) add_assignments(mixture, *budget);
+  return std::move(*budget);
 }
 
 }  // namespace strobe::reduction

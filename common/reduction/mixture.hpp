@@ -1,12 +1,16 @@
 // One readout of several hypotheses about a photograph, of which only one is true: which flashes made its images.
-// Pure functions; thread-safe; allocates.
+// Deterministic, no I/O; thread-safe; allocates.
 #pragma once
 
 #include <array>
 #include <optional>
 #include <span>
+#include <vector>
 
+#include "common/reduction/frame.hpp"
 #include "common/reduction/readout.hpp"
+#include "common/reduction/uncertainty.hpp"
+#include "common/result.hpp"
 
 namespace strobe::reduction {
 
@@ -35,5 +39,28 @@ void mix(std::span<const MixtureComponent> hypotheses, Readout& likeliest);
 /// larger. Two equally likely normal densities have two peaks from there on (Eisenberger, Technometrics 6, 1964): a
 /// mean and an sd no longer describe them.
 bool mixture_ambiguous(const Readout& mixture);
+
+/// Times of a frame's images under one hypothesis about which flashes made them.
+struct AssignedTimes {
+  std::vector<double> time_s;  ///< of each image, from the first
+  double weight = 1.0;         ///< its probability
+};
+
+/// More reductions are not made: a millisecond's work.
+inline constexpr int kMaxReduced = 64;
+
+/// The mixture over the hypotheses, of which the frame has the first one's times; without any the frame's own readout,
+/// without Readout::assignments. Fails as reduce() does.
+///
+/// The flashes of an even train are alike but for microseconds, in which every number is as good as linear: hypotheses
+/// alike in this way are reduced once, and the numbers of the others follow by the derivatives by the images' times
+/// (Readout::by_time). So are the likeliest kMaxReduced that are not alike.
+Result<Readout> reduce_hypotheses(const Frame& frame, std::span<const AssignedTimes> hypotheses);
+
+/// The uncertainty budget of the mixture: of the likeliest assignment of flashes to images, of which the frame has the
+/// times, with a line for the others. Of plausible ones there are more than one only where they are nearly alike, so
+/// that the other lines are those of all, scaled to the mixture's variance. Empty for a frame without images or that
+/// cannot be reduced. Some milliseconds.
+Budget mixture_budget(const Frame& frame, const Readout& mixture);
 
 }  // namespace strobe::reduction

@@ -1,7 +1,7 @@
 #include "common/reduction/observations.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <cassert>
 #include <cmath>
 
 #include "common/geometry/leg_classification.hpp"
@@ -173,6 +173,7 @@ void assign_legs(const Frame& frame, Observations& all, FlagSet& flags) {
   const double reference = surface_variance + 0.25 * mean_diameter_variance(all);
   const geometry::LegAssignment found = geometry::classify_timed(heights, all.gravity_mps2.y(), reference);
   if (!found.overlaps.empty()) flags.set(Flag::overlaps_surface);
+  assert(found.legs.size() == all.images.size());
   const bool use_diameters = scale_from_diameters(all);
   bool contact = false;
   for (std::size_t i = 0; i < all.images.size(); ++i) {
@@ -200,17 +201,6 @@ bool seems_to_travel_left(const std::vector<Observation>& images, Leg leg) {
 }
 
 }  // namespace
-
-std::optional<double> temperature_c(const Frame& frame) {
-  if (frame.temperature_c) return frame.temperature_c;
-  const auto entry = frame.record.find("temperature_c");
-  if (entry == frame.record.end()) return std::nullopt;
-  const std::string& text = entry->second;
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value >= kMinTemperature_degC && value <= kMaxTemperature_degC ? std::optional(value) : std::nullopt;
-}
 
 std::optional<Observations> observe(const Frame& frame, FlagSet& flags, NoiseSource noise) {
   const std::optional<geometry::SurfaceFrame> surface = surface_frame(frame);
@@ -263,6 +253,16 @@ void mirror(Observations& all) {
       s.equator_rad = -s.equator_rad;
     }
   }
+}
+
+void shift(const ObservedMapError& error, double sds, Observations& all) {
+  assert(error.images.size() == all.images.size() && error.surface_m.size() == all.surface_m.size());
+  for (std::size_t i = 0; i < all.images.size(); ++i) {
+    all.images[i].centre_m += sds * error.images[i].centre_m;
+    all.images[i].diameter_m += sds * error.images[i].diameter_m;
+    all.images[i].equator_rad += sds * error.images[i].equator_rad;
+  }
+  for (std::size_t i = 0; i < all.surface_m.size(); ++i) all.surface_m[i] += sds * error.surface_m[i];
 }
 
 }  // namespace strobe::reduction

@@ -8,7 +8,7 @@
 
 #include "common/ball/ball.hpp"
 #include "common/flight/aerodynamics.hpp"
-#include "common/geometry/surface_frame.hpp"
+#include "common/geometry/line.hpp"
 #include "common/reduction/flags.hpp"
 #include "common/reduction/frame.hpp"
 
@@ -97,12 +97,6 @@ struct Observations {
   double surface_sd() const { return unit(surface_noise) * surface_sd_m; }
 };
 
-/// What is wrong with the frame, naming the field. Returns nullopt if it can be reduced.
-std::optional<std::string> validation_error(const Frame& frame);
-
-/// The frame's temperature, else the record's if that is a number within the valid range, else nullopt.
-std::optional<double> temperature_c(const Frame& frame);
-
 /// Measurements in the surface's axes, with the images' legs; sets the flags of what it found. Returns nullopt
 /// if no line goes through the surface points (flag degenerate_geometry). The frame must be valid.
 std::optional<Observations> observe(const Frame& frame, FlagSet& flags,
@@ -114,5 +108,8 @@ bool travels_left(const Eigen::Vector2d& way);
 
 /// As a mirror at the surface's normal shows them: a ball that travelled to the left then travels to the right.
 void mirror(Observations& all);
+
+/// All measurements as so many standard deviations of one of the map's errors move them.
+void shift(const ObservedMapError& error, double sds, Observations& all);
 
 }  // namespace strobe::reduction

@@ -6,9 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "common/reduction/residual_test.hpp"
-#include "common/reduction/scale_check.hpp"
-#include "common/reduction/variance_test.hpp"
+#include "common/reduction/consistency.hpp"
 #include "common/statistics/distributions.hpp"
 
 namespace strobe::reduction {

@@ -1,17 +1,16 @@
 #include "common/reduction/reduce.hpp"
 
 #include <cassert>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
+#include "common/reduction/consistency.hpp"
 #include "common/reduction/flight_effects.hpp"
 #include "common/reduction/legacy.hpp"
-#include "common/reduction/map_errors.hpp"
 #include "common/reduction/outliers.hpp"
 #include "common/reduction/propagate.hpp"
 #include "common/reduction/reduced_shot.hpp"
-#include "common/reduction/residual_test.hpp"
-#include "common/reduction/scale_check.hpp"
 #include "common/reduction/shot_fit.hpp"
 #include "common/reduction/spin_check.hpp"
 #include "common/reduction/surface_check.hpp"
@@ -65,6 +64,49 @@ void withhold_doubtful(Readout& readout) {
   if (!readout.flags.has(Flag::spin_aliased)) return;
   if (readout.regime) readout.regime = Regime::unclear;
   readout.court_pace_conforming = false;
+}
+
+using Primary = std::array<std::optional<double>, kPrimaryCount>;
+
+Primary primary(const Readout& readout, const Crossings& crossings) {
+  const Quantities& v = readout.value;
+  return {v[Quantity::vx_td_mps], v[Quantity::vy_td_mps], v[Quantity::omega_td_radps], crossings[0],
+          v[Quantity::vx_lo_mps], v[Quantity::vy_lo_mps], v[Quantity::omega_lo_radps], crossings[1]};
+}
+
+void add_to_sd(const Quantities& variance, Readout& readout) {
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    if (readout.sd[q] && variance[q]) readout.sd[q] = std::hypot(*readout.sd[q], std::sqrt(*variance[q]));
+  }
+}
+
+/// Adds what the errors of the camera's map do to sd and covariance. They move all images together, which independent noise
+/// of the images would not show: the shot is fitted once more for each error, with the same measurements in use.
+void add_map_errors(const ShotFit& fit, const PropagationOptions& options, const Crossings& crossings,
+                    Readout& readout) {
+  Quantities variance;
+  const Primary as_seen = primary(readout, crossings);
+  const PropagationOptions numbers{options.temperature_c};
+  for (const ObservedMapError& error : fit.observations.map_errors) {
+    ShotFit moved = fit;
+    shift(error, 1.0, moved.observations);
+    refit(moved, fit.effects);
+    Readout other;
+    const Crossings where = propagate(moved, numbers, other);
+    for (std::size_t i = 0; i < kQuantityCount; ++i) {
+      const auto q = static_cast<Quantity>(i);
+      const double change = difference(other.value[q], readout.value[q]);
+      variance[q] = variance[q].value_or(0.0) + change * change;
+    }
+    if (!readout.covariance) continue;
+    const Primary now = primary(other, where);
+    for (std::size_t i = 0; i < kPrimaryCount; ++i) {
+      for (std::size_t k = 0; k < kPrimaryCount; ++k)
+        (*readout.covariance)[i][k] += difference(now[i], as_seen[i]) * difference(now[k], as_seen[k]);
+    }
+  }
+  add_to_sd(variance, readout);
 }
 
 Readout two_point_readout(const Frame& frame, const PropagationOptions& propagation,
@@ -149,6 +191,17 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation, 
   return readout;
 }
 
+/// Rows are residuals divided by the Cholesky factor of the noise: multiplied by it they are metres again.
+std::optional<double> path_residual_px(const ShotFit& fit, const Observation& image) {
+  if (!image.leg || *image.leg == Leg::contact || !fit.joint.legs[leg_index(*image.leg)].fitted)
+    return std::nullopt;
+  const ImageRows rows = image_rows(fit.observations, fit.joint, tilt_of(fit.joint), image);
+  const double x = rows.residual[0] / rows.white.xx;
+  const double y = (rows.residual[1] - rows.white.yx * x) / rows.white.yy;
+  const double residual_px = std::hypot(x, y) * fit.observations.surface.px_per_unit;
+  return std::isfinite(residual_px) ? std::optional(residual_px) : std::nullopt;
+}
+
 }  // namespace
 
 Result<Readout> reduce(const Frame& frame, Estimator estimator, const ReduceOptions& options) {
@@ -169,6 +222,19 @@ Result<ReducedShot> reduce_shot(const Frame& frame, Estimator estimator, const R
   shot.readout = estimator == Estimator::two_point ? two_point_readout(frame, propagation, shot.fit)
                                                    : best_readout(frame, propagation, options, shot.fit);
   return shot;
+}
+
+Result<std::vector<ImageFit>> image_fits(const Frame& frame) {
+  const auto shot = reduce_shot(frame, Estimator::best);
+  if (!shot) return tl::unexpected(shot.error());
+  std::vector<ImageFit> fits(frame.images.size());
+  if (!shot->fit || shot->fit->observations.images.size() != fits.size()) return fits;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const Observation& image = shot->fit->observations.images[i];
+    fits[i] = {image.leg, image.use_centre, image.use_diameter, image.use_equator,
+               path_residual_px(*shot->fit, image)};
+  }
+  return fits;
 }
 
 }  // namespace strobe::reduction

@@ -1,16 +1,16 @@
 #include "common/reduction/shot_fit.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
 
+#include "common/reduction/consistency.hpp"
 #include "common/reduction/equator_consensus.hpp"
-#include "common/reduction/noise.hpp"
 #include "common/reduction/outliers.hpp"
 #include "common/reduction/running_statistics.hpp"
-#include "common/reduction/variance_test.hpp"
 
 namespace strobe::reduction {
 namespace {
@@ -73,6 +73,109 @@ void fit_spins(ShotFit& fit, const std::array<SpinSearch, 2>& search) {
   }
   for (std::size_t leg = 0; leg < 2; ++leg)
     fit.spin[leg] = fit_spin(fit.equators[leg], left_out[leg], search[leg]);
+  assert(fit.equator_seen.size() == fit.observations.images.size());
+}
+
+/// Residuals of exact data are rounding; an sd of zero would be an infinite weight.
+constexpr double kMinRelativeSd = 1e-12;
+/// Fewer degrees of freedom than this are rounding of the trace.
+constexpr double kMinFreedom = 0.5;
+
+struct Scatter {
+  double sum_of_squares = 0.0;
+  double count = 0.0;
+  double leverage = 0.0;  // sum of the measurements' shares in their fitted values
+};
+
+double square(const std::array<double, 7>& v) { return dot(v, v); }
+
+/// Squares of the part of a residual that the centres' noise, and not a stated error in time, accounts for.
+void add_centre(const ShotFit& fit, const geometry::Rotation2d& tilt, const Observation& o, Scatter& s) {
+  const ImageRows rows = image_rows(fit.observations, fit.joint, tilt, o);
+  const double sd = fit.observations.group_sd[NoiseGroup::centre];
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double residual = rows.residual[k] * sd;
+    s.sum_of_squares += residual * residual;
+    s.count += 1.0;
+    s.leverage += square(fit.joint.factor.whitened(leg_index(*o.leg), rows.row[k]));
+  }
+}
+
+void add_diameter(const ShotFit& fit, const Observation& o, Scatter& s) {
+  const Observations& all = fit.observations;
+  const double r = (o.diameter_m - fit.joint.unknowns[kScale] * all.ball_diameter_m) / o.diameter_sd_m;
+  s.sum_of_squares += r * r;
+  s.count += 1.0;
+  s.leverage += square(fit.joint.factor.shared(0.0, 0.0, all.ball_diameter_m / all.diameter_sd(o)));
+}
+
+void add_surface(const ShotFit& fit, Eigen::Vector2d point, Scatter& s) {
+  const double r = surface_residual(fit.joint, point) / fit.observations.surface_sd_m;
+  const double sd = fit.observations.surface_sd();
+  s.sum_of_squares += r * r;
+  s.count += 1.0;
+  s.leverage += square(fit.joint.factor.shared(surface_lever_m(fit.joint, point) / sd, 1.0 / sd, 0.0));
+}
+
+Scatter scatter(const ShotFit& fit, NoiseGroup noise) {
+  const Observations& all = fit.observations;
+  const geometry::Rotation2d tilt = tilt_of(fit.joint);
+  Scatter s;
+  for (const Observation& o : all.images) {
+    const bool centre = o.use_centre && o.centre_noise == noise && fit.joint.legs[leg_index(*o.leg)].fitted;
+    if (centre) add_centre(fit, tilt, o, s);
+    if (o.use_diameter && o.diameter_noise == noise) add_diameter(fit, o, s);
+  }
+  if (all.surface_noise == noise) {
+    for (const Eigen::Vector2d& p : all.surface_m) add_surface(fit, p, s);
+  }
+  return s;
+}
+
+Scatter equator_scatter(const ShotFit& fit) {
+  Scatter s;
+  for (std::size_t leg = 0; leg < 2; ++leg) {
+    if (!fit.spin[leg]) continue;
+    assert(fit.spin[leg]->residual_rad.size() == fit.equators[leg].size());
+    for (std::size_t i = 0; i < fit.equators[leg].size(); ++i) {
+      const EquatorReading& reading = fit.equators[leg][i];
+      if (!reading.estimated_noise) continue;
+      // Less the part of a stated error in time.
+      const double by_time = fit.spin[leg]->omega_radps * reading.time_sd_s;
+      const double square = reading.sd_rad * reading.sd_rad;
+      const double residual =
+          fit.spin[leg]->residual_rad[i] / fit.observations.images[reading.index].equator_sd_rad;
+      s.sum_of_squares += residual * residual * (square / (square + by_time * by_time));
+      s.count += 1.0;
+      s.leverage += fit.spin[leg]->leverage[i];
+    }
+  }
+  return s;
+}
+
+/// Replaces the estimated variances by those of the residuals: sum of squares over (number of measurements -
+/// trace of their rows of the hat matrix). A group without residuals keeps its first guess and has 0 degrees
+/// of freedom. Returns the largest relative change of a standard deviation.
+/// Source: Förstner's simplified estimator; Koch, Parameter Estimation and Hypothesis Testing, 3.6.
+double estimate_variance_components(ShotFit& fit) {
+  double largest = 0.0;
+  for (const NoiseGroup noise :
+       {NoiseGroup::centre, NoiseGroup::surface, NoiseGroup::diameter, NoiseGroup::equator}) {
+    const bool equator = noise == NoiseGroup::equator;
+    const Scatter s = equator ? equator_scatter(fit) : scatter(fit, noise);
+    VarianceComponent& component = fit.variance_components[static_cast<std::size_t>(noise)];
+    component = {s.count > 0.0, s.count - s.leverage};
+    // Absurd coordinates overflow to NaN, which is no freedom either.
+    const bool known = component.degrees_of_freedom >= kMinFreedom && std::isfinite(s.sum_of_squares);
+    if (!known) component.degrees_of_freedom = 0.0;
+    if (!component.used || !known) continue;
+    const double floor = kMinRelativeSd * (equator ? 1.0 : fit.observations.ball_diameter_m);
+    const double sd = std::max(std::sqrt(s.sum_of_squares / component.degrees_of_freedom), floor);
+    double& now = fit.observations.group_sd[noise];
+    largest = std::max(largest, std::abs(sd - now) / now);
+    now = sd;
+  }
+  return largest;
 }
 
 bool any_estimated(const Observations& all) {
@@ -140,6 +243,7 @@ void fit_once(ShotFit& fit) {
   constexpr int kMaxRounds = 6;
   const bool estimated = any_estimated(fit.observations);
   const std::array<SpinSearch, 2> search = spin_search(fit);
+  fit.noise_status = FitStatus::converged;
   FlightModel model;
   if (fit.effects.gravity) model.gravity_mps2 = fit.observations.gravity_mps2;
   model.air = fit.air;
@@ -151,6 +255,7 @@ void fit_once(ShotFit& fit) {
     fit_paths(fit, model);
     if (!estimated || estimate_variance_components(fit) < 1e-6) return;
   }
+  fit.noise_status = FitStatus::iteration_limit;
 }
 
 /// Whether the angles leave the spin open within the window of the train, where an image of the leg that could have
@@ -215,7 +320,7 @@ bool leave_out_misfits(ShotFit& fit) {
 /// Mirrors where the legs as fitted, without the images left out, say otherwise than the first and last image did.
 void orient(ShotFit& fit) {
   const std::size_t leg = fit.joint.legs[0].fitted ? 0 : 1;
-  if (fit.joint.degenerate || !fit.joint.legs[leg].fitted) return;
+  if (fit.joint.degenerate() || !fit.joint.legs[leg].fitted) return;
   const double* way = &fit.joint.unknowns[kLegStart[leg] + 2];
   const bool mirrored = fit.observations.surface.mirrored;
   if (travels_left({mirrored ? -way[0] : way[0], way[1]}) == mirrored) return;

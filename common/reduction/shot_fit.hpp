@@ -30,6 +30,8 @@ struct ShotFit {
   /// A spin may be any of its alternatives as well: the lift's whole range is left to the path.
   bool spins_open = false;
   JointFit joint;
+  /// Of the rounds of fits and of noise estimated from their residuals.
+  FitStatus noise_status = FitStatus::converged;
   AirFit air_fit;
   /// Added to what is known of the air before (AirError::mean): asks what another air would have made of the numbers.
   std::array<double, kAirErrorCount> air_shift{};

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/reduction/spin_decay.hpp"
+#include "common/reduction/spin_line.hpp"
 #include "common/units/angles.hpp"
 
 namespace strobe::reduction {

@@ -54,7 +54,7 @@ flight::Flight flight_of(const ShotFit& fit, std::size_t leg) { return path(fit,
 /// derivatives.
 std::optional<SurfaceCrossing> crossing(const ShotFit& fit, std::size_t leg) {
   const LegTime& times = fit.joint.legs[leg];
-  if (!times.fitted || fit.joint.degenerate) return std::nullopt;
+  if (!times.fitted || fit.joint.degenerate()) return std::nullopt;
   const Path p = path(fit, leg);
   const flight::Flight values = p.values();
   const bool falls = leg == 0;

@@ -1,13 +1,90 @@
-// A leg where it meets the surface, with derivatives by everything it hangs on. Part of the reduction, not of its
-// interface. Pure; thread-safe.
+// Forward-mode differentiation: a number together with its derivatives by N variables. Each rule is the chain
+// rule, so a readout written once as a formula gives its exact gradient for the propagation of errors.
+// Plain values; thread-safe, real-time safe.
 #pragma once
 
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <optional>
 
-#include "common/reduction/dual.hpp"
 #include "common/reduction/shot_fit.hpp"
 
 namespace strobe::reduction {
+
+template <std::size_t N>
+struct Dual {
+  double value = 0.0;
+  std::array<double, N> grad{};
+
+  constexpr Dual() = default;
+  constexpr Dual(double v) : value(v) {}  // NOLINT: a constant: no derivatives
+
+  static constexpr Dual variable(double v, std::size_t index) {
+    Dual d(v);
+    d.grad[index] = 1.0;
+    return d;
+  }
+};
+
+/// f(a), given its derivative df/da.
+template <std::size_t N>
+Dual<N> chain(const Dual<N>& a, double f, double df_da) {
+  Dual<N> r(f);
+  for (std::size_t i = 0; i < N; ++i) r.grad[i] = df_da * a.grad[i];
+  return r;
+}
+
+/// f(a, b), given its derivatives df/da and df/db.
+template <std::size_t N>
+Dual<N> chain(const Dual<N>& a, const Dual<N>& b, double f, double df_da, double df_db) {
+  Dual<N> r(f);
+  for (std::size_t i = 0; i < N; ++i) r.grad[i] = df_da * a.grad[i] + df_db * b.grad[i];
+  return r;
+}
+
+// clang-format off
+template <std::size_t N> Dual<N> operator-(const Dual<N>& a) { return chain(a, -a.value, -1.0); }
+template <std::size_t N> Dual<N> operator+(const Dual<N>& a, const Dual<N>& b) { return chain(a, b, a.value + b.value, 1.0, 1.0); }
+template <std::size_t N> Dual<N> operator-(const Dual<N>& a, const Dual<N>& b) { return chain(a, b, a.value - b.value, 1.0, -1.0); }
+template <std::size_t N> Dual<N> operator*(const Dual<N>& a, const Dual<N>& b) { return chain(a, b, a.value * b.value, b.value, a.value); }
+template <std::size_t N> Dual<N> operator/(const Dual<N>& a, const Dual<N>& b) { return chain(a, b, a.value / b.value, 1.0 / b.value, -(a.value / b.value) / b.value); }
+template <std::size_t N> Dual<N> operator+(const Dual<N>& a, double b) { return chain(a, a.value + b, 1.0); }
+template <std::size_t N> Dual<N> operator-(const Dual<N>& a, double b) { return chain(a, a.value - b, 1.0); }
+template <std::size_t N> Dual<N> operator*(const Dual<N>& a, double b) { return chain(a, a.value * b, b); }
+template <std::size_t N> Dual<N> operator/(const Dual<N>& a, double b) { return chain(a, a.value / b, 1.0 / b); }
+template <std::size_t N> Dual<N> operator*(double a, const Dual<N>& b) { return b * a; }
+template <std::size_t N> Dual<N> operator-(double a, const Dual<N>& b) { return chain(b, a - b.value, -1.0); }
+// clang-format on
+
+template <std::size_t N>
+Dual<N> abs(const Dual<N>& a) {
+  return a.value < 0.0 ? -a : a;
+}
+
+template <std::size_t N>
+Dual<N> sqrt(const Dual<N>& a) {
+  const double root = std::sqrt(a.value);
+  return chain(a, root, 0.5 / root);
+}
+
+template <std::size_t N>
+Dual<N> hypot(const Dual<N>& a, const Dual<N>& b) {
+  const double length = std::hypot(a.value, b.value);
+  if (length == 0.0) return Dual<N>(0.0);
+  return chain(a, b, length, a.value / length, b.value / length);
+}
+
+template <std::size_t N>
+Dual<N> atan2(const Dual<N>& y, const Dual<N>& x) {
+  // Divided by the length twice, since its square may leave double precision's range.
+  const double length = std::hypot(x.value, y.value);
+  if (length == 0.0) return Dual<N>(0.0);
+  return chain(y, x, std::atan2(y.value, x.value), x.value / length / length, -y.value / length / length);
+}
+
+// A leg where it meets the surface, with derivatives by everything it hangs on. Part of the reduction, not of its
+// interface. Pure; thread-safe.
 
 // Variables of the derivatives: the joint fit's unknowns, both spins, the ball's diameter, the spin's decay, and the
 // errors of the air.

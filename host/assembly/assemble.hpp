@@ -8,10 +8,10 @@
 #include <strobe_msgs/shot_t.hpp>
 #include <vector>
 
-#include "common/reduction/budget.hpp"
 #include "common/reduction/frame.hpp"
+#include "common/reduction/mixture.hpp"
 #include "common/reduction/readout.hpp"
-#include "host/assembly/shot_mixture.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "host/config/rig_file.hpp"
 
 namespace strobe::host {
@@ -32,7 +32,7 @@ struct AssembledShot {
   reduction::Frame frame;
   reduction::FlagSet flags;  ///< of the flashes that show the ball, the match, the sensors and the shot
   /// Plausible assignments, the frame's first; empty if unmatched.
-  std::vector<AssignedTimes> hypotheses;
+  std::vector<reduction::AssignedTimes> hypotheses;
   std::optional<reduction::ImagedFlashes> flashes;  ///< absent if unmatched
   std::string problem;  ///< why the frame could not be matched, for a person; else empty
 };
@@ -50,7 +50,7 @@ reduction::Readout empty_readout(const strobe_msgs::shot_t& shot, const reductio
 struct ShotReadout {
   reduction::Readout readout;
   std::string problem;                       ///< for a person; empty if the flags say all
-  std::optional<AssembledShot> assembled{};  ///< if budgets are asked for: for shot_budget()
+  std::optional<AssembledShot> assembled{};  ///< if budgets are asked for: for reduction::mixture_budget()
 };
 
 /// Assembles and reduces with the best estimator, to the mixture over the plausible assignments of flashes to images

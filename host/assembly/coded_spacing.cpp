@@ -9,7 +9,6 @@
 
 #include "common/reduction/matching/contact_match.hpp"
 #include "host/assembly/flash_times.hpp"
-#include "host/assembly/image_track.hpp"
 
 namespace strobe::host {
 namespace {
@@ -119,8 +118,8 @@ std::size_t flashes_of(const ShotPlan& even) {
 
 SpacingNoise noise_of(const RigFile& rig, bool digitized) {
   const auto px_per_m = rig.camera.px_per_m ? rig.camera.px_per_m : rig.analysis.px_per_m;
-  const double centre_sd =
-      digitized && px_per_m ? kDigitizerSd_px / (*px_per_m * rig.ball.diameter_m) : kHandSdOfDiameter;
+  const double centre_sd = digitized && px_per_m ? kDigitizerSd_px / (*px_per_m * rig.ball.diameter_m)
+                                                 : matching::kHandSdOfDiameter;
   return {centre_sd, rig.analysis.flash_time_sd_s.value_or(kSensorTimeSd_s)};
 }
 

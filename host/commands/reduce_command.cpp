@@ -17,7 +17,7 @@
 #include "common/config/files.hpp"
 #include "common/messages/json_conversions.hpp"
 #include "common/messages/parsed_json.hpp"
-#include "common/reduction/budget.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "common/reduction/legacy.hpp"
 #include "common/reduction/legacy_file.hpp"
 #include "common/reduction/reduce.hpp"

@@ -8,7 +8,7 @@
 
 #include "common/messages/encode.hpp"
 #include "common/messages/lcm_conversions.hpp"
-#include "host/assembly/shot_budget.hpp"
+#include "common/reduction/mixture.hpp"
 
 namespace strobe::host {
 namespace {
@@ -239,7 +239,7 @@ void HostLoop::publish(messages::Channel channel, const Message& message) {
 
 /// Some milliseconds, which nobody who waits for the readout's message waits for.
 void HostLoop::make_budget(ShotResult& result) {
-  if (result.assembled) result.budget = shot_budget(*result.assembled, result.readout);
+  if (result.assembled) result.budget = reduction::mixture_budget(result.assembled->frame, result.readout);
   result.assembled.reset();
 }
 

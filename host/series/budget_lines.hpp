@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "common/reduction/budget.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "host/series/series_summary.hpp"
 
 namespace strobe::host {

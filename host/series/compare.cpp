@@ -5,7 +5,7 @@
 #include <limits>
 #include <set>
 
-#include "common/reduction/expanded_uncertainty.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "common/statistics/distributions.hpp"
 
 namespace strobe::host {

@@ -5,7 +5,8 @@
 #include <functional>
 #include <utility>
 
-#include "host/assembly/shot_budget.hpp"
+#include "common/reduction/mixture.hpp"
+#include "host/assembly/assemble.hpp"
 
 namespace strobe::host {
 namespace {
@@ -47,9 +48,8 @@ std::optional<reduction::Frame> matched_frame(const StoredShot& shot) {
 }
 
 reduction::Budget budget_of(const StoredShot& shot) {
-  if (!shot.summary || shot.digitizations.empty()) return {};
-  return shot_budget(assemble(*shot.summary, shot.digitizations.back().frame, assembly_settings(*shot.rig)),
-                     shot.result.readout);
+  const auto frame = matched_frame(shot);
+  return frame ? reduction::mixture_budget(*frame, shot.result.readout) : reduction::Budget{};
 }
 
 std::vector<SeriesShot> series_shots(const StoredSession& session, const std::string& session_name) {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "common/reduction/expanded_uncertainty.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "common/reduction/running_statistics.hpp"
 #include "common/statistics/distributions.hpp"
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "common/reduction/budget.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "common/reduction/readout.hpp"
 
 namespace strobe::host {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/reduction/budget.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "common/reduction/readout.hpp"
 
 namespace strobe::host {

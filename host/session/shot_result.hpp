@@ -7,7 +7,7 @@
 #include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
 
-#include "common/reduction/budget.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "common/reduction/readout.hpp"
 #include "common/shot/shot_key.hpp"
 #include "host/assembly/assemble.hpp"

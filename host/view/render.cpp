@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "common/reduction/expanded_uncertainty.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "host/config/notes.hpp"
 #include "host/session/rejection.hpp"
 #include "host/view/quantities.hpp"

@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "common/data/thesis_data.hpp"
-#include "common/reduction/budget.hpp"
-#include "common/reduction/monte_carlo.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "host/series/compare.hpp"
 #include "host/series/series_summary.hpp"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/reduction/expanded_uncertainty.hpp"
+#include "common/reduction/uncertainty.hpp"
 
 namespace strobe::contradictions {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/reduction/expanded_uncertainty.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "common/reduction/reduce.hpp"
 #include "tests/contradictions/proof.hpp"
 

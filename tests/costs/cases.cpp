@@ -10,10 +10,10 @@
 #include "common/impact/closed_form/sine_pulse.hpp"
 #include "common/impact/ode/contact_ode.hpp"
 #include "common/impact/ode/contact_sensitivity.hpp"
-#include "common/reduction/reduce.hpp"
+#include "common/messages/lcm_conversions.hpp"
 #include "common/reduction/matching/flash_match.hpp"
+#include "common/reduction/reduce.hpp"
 #include "host/assembly/flash_times.hpp"
-#include "host/assembly/image_track.hpp"
 #include "host/digitize/digitize.hpp"
 #include "sim/shoot/shoot.hpp"
 #include "tests/host/digitize/painter.hpp"
@@ -140,7 +140,9 @@ Case sensitivity_case() {
 /// A dozen images of 166 flashes.
 Case flash_match_case() {
   const host_test::SyntheticShot made = host_test::make_shot({});
-  const auto track = host::image_track(made.frame, host_test::kBallDiameter_m, 0.0);
+  auto frame = messages::frame_from_lcm(made.frame);
+  frame->ball_diameter_m = host_test::kBallDiameter_m;
+  const auto track = matching::image_track(*frame);
   if (!track) throw std::runtime_error("the frame has no track");
   std::vector<double> times_s;
   const host::FlashTimes times = host::flash_times(made.shot);

@@ -3,10 +3,10 @@
 #include <numbers>
 #include <vector>
 
+#include "common/messages/lcm_conversions.hpp"
 #include "common/reduction/matching/contact_match.hpp"
 #include "common/reduction/matching/flash_match.hpp"
 #include "host/assembly/assemble.hpp"
-#include "host/assembly/image_track.hpp"
 #include "tests/host/synthetic_shot.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -27,7 +27,12 @@ std::vector<int> flashes_of(const host::AssembledShot& shot) {
 
 TEST_GROUP(ImageTracks) {
   SyntheticShot made = make_shot({});
-  matching::Track track() { return *host::image_track(made.frame, kBallDiameter_m, 0.0); }
+  matching::Track track(double inclination_deg = 0.0) const {
+    reduction::Frame frame = *messages::frame_from_lcm(made.frame);
+    frame.ball_diameter_m = kBallDiameter_m;
+    frame.surface_angle_deg = inclination_deg;
+    return *matching::image_track(frame);
+  }
 };
 
 TEST(ImageTracks, TakeSizeAndNoiseFromTheImagesInTheAir) {
@@ -59,7 +64,7 @@ TEST(ImageTracks, PullTheBallDownThePlate) {
     Scenario sc;
     sc.leftwards = leftwards;
     made = make_shot(sc);
-    const auto t = *host::image_track(made.frame, kBallDiameter_m, inclination_deg);
+    const auto t = track(inclination_deg);
     // A plate that rises to the right brakes a ball to the right by g sin 30.
     DOUBLES_EQUAL((leftwards ? 0.5 : -0.5) * 9.80665 * t.px_per_m, t.gravity_pxps2.x(), 1e-6);
     DOUBLES_EQUAL(-std::cos(std::numbers::pi / 6) * 9.80665 * t.px_per_m, t.gravity_pxps2.y(), 1e-6);
@@ -72,7 +77,8 @@ TEST(ImageTracks, TouchTheSurfaceATwentiethOfTheirRadiusLowerHoweverSmallTheNois
   sc.noise_mm = 0.0;
   made = make_shot(sc);
   made.frame.centre_sd_px = 0.01;
-  for (auto& image : made.frame.images) image.centre_xx_px2 = image.centre_yy_px2 = std::nan("");
+  for (auto& image : made.frame.images)
+    image.centre_xx_px2 = image.centre_xy_px2 = image.centre_yy_px2 = std::nan("");
   const auto in_the_air = track();
   std::size_t last = 0;
   while (in_the_air.images[last + 1].leg == Leg::incoming) ++last;

@@ -1,5 +1,5 @@
 // Readouts of shots of which several assignments of flashes to images are plausible.
-#include "host/assembly/shot_mixture.hpp"
+#include "common/reduction/mixture.hpp"
 
 #include <fmt/format.h>
 
@@ -88,18 +88,18 @@ TEST(ShotMixture, NumbersOfAlikeHypothesesAreLinearInTheTimesOfTheImages) {
   const host::AssembledShot shot = host::assemble(made.shot, made.frame, settings());
   std::mt19937 generator(5);
   std::uniform_real_distribution<double> off_s(-0.4e-6, 0.4e-6);
-  std::vector<host::AssignedTimes> many;
+  std::vector<reduction::AssignedTimes> many;
   for (int h = 0; h < 60; ++h) {
-    host::AssignedTimes& one = many.emplace_back(host::AssignedTimes{{}, 1.0});
+    reduction::AssignedTimes& one = many.emplace_back(reduction::AssignedTimes{{}, 1.0});
     for (const auto& image : shot.frame.images)
       one.time_s.push_back(image.time_s + (h == 0 ? 0.0 : off_s(generator)));
   }
-  const auto linear = host::reduce_hypotheses(shot.frame, many);
+  const auto linear = reduction::reduce_hypotheses(shot.frame, many);
   const double first = *linear->value[Quantity::e];
   double mean = first, squares = 0.0;
-  for (const host::AssignedTimes& one : many) {
-    const std::vector pair{many.front(), host::AssignedTimes{one.time_s, 1e9}};  // in effect the second alone
-    const double e = *host::reduce_hypotheses(shot.frame, pair)->value[Quantity::e];
+  for (const reduction::AssignedTimes& one : many) {
+    const std::vector pair{many.front(), reduction::AssignedTimes{one.time_s, 1e9}};  // in effect the second alone
+    const double e = *reduction::reduce_hypotheses(shot.frame, pair)->value[Quantity::e];
     mean += (e - first) / 60.0;
     squares += (e - first) * (e - first) / 60.0;
   }

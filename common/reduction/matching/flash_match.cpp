@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "common/reduction/consistency.hpp"
 #include "common/reduction/matching/contact_match.hpp"
 #include "common/reduction/matching/leg_candidates.hpp"
-#include "common/reduction/variance_test.hpp"
 
 namespace strobe::matching {
 namespace {
@@ -78,6 +78,7 @@ class Matcher {
         contact_(legs_.contact, times_s, track) {}
 
   FlashMatch run() {
+    assert(legs_.in.size() + legs_.contact.size() + legs_.out.size() == track_.images.size());
     const auto in = leg_candidates(legs_.in, times_s_, track_);
     const auto out = leg_candidates(legs_.out, times_s_, track_);
     scale_ = noise_scale(lowest(in) + lowest(out));

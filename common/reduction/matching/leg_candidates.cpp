@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "common/geometry/regression.hpp"
+#include "common/geometry/leg.hpp"
 
 namespace strobe::matching {
 namespace {

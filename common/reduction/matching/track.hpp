@@ -1,11 +1,13 @@
 // The path of the ball on a photograph, seen from the surface: what the matching of images to flashes works
-// on. Plain values; thread-safe.
+// on. Plain values and a pure function; thread-safe.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "common/flight/aerodynamics.hpp"
+#include "common/reduction/frame.hpp"
 #include "common/shot/leg.hpp"
 
 namespace strobe::matching {
@@ -28,5 +30,13 @@ struct Track {
   double missed_share = 0.005;  ///< of the ball's images that are not found
   double time_sd_s = 0.0;       ///< of a flash's time
 };
+
+/// A person who marks a centre by hand errs by about 0.5 mm in each coordinate, as a share of a ball's diameter.
+inline constexpr double kHandSdOfDiameter = 0.008;
+
+/// The images' centres in the surface's axes, with their scale, noise and legs, of a frame whose images have no times
+/// yet. A leg that the frame names is kept unless the centre is clearly less than a radius above the surface; the others
+/// are classified. Air and flashes are not looked at. Returns nullopt without a surface line or any diameter.
+std::optional<Track> image_track(const reduction::Frame& frame);
 
 }  // namespace strobe::matching

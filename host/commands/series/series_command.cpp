@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "common/command_line/help.hpp"
-#include "common/reduction/monte_carlo.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "host/archive/read_session.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/series/series_report.hpp"

@@ -7,7 +7,7 @@
 
 #include "common/data/thesis_data.hpp"
 #include "common/messages/parsed_json.hpp"
-#include "common/reduction/monte_carlo.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/config/notes.hpp"

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "common/geometry/regression.hpp"
+#include "common/geometry/leg.hpp"
 #include "host/digitize/core/statistics.hpp"
 #include "host/digitize/surface/edge_profile_samples.hpp"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "common/geometry/surface_frame.hpp"
+#include "common/geometry/line.hpp"
 #include "host/digitize/core/plane_map.hpp"
 #include "host/digitize/core/types.hpp"
 #include "host/digitize/image/photograph.hpp"

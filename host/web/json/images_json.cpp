@@ -9,7 +9,7 @@
 
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/or_null.hpp"
-#include "common/reduction/image_fit.hpp"
+#include "common/reduction/reduce.hpp"
 
 namespace strobe::web {
 namespace {

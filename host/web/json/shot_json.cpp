@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/messages/or_null.hpp"
-#include "common/reduction/expanded_uncertainty.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "host/config/notes.hpp"
 #include "host/view/quantities.hpp"
 #include "host/view/series_view.hpp"

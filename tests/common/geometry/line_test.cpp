@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "common/geometry/line.hpp"
-#include "common/geometry/regression.hpp"
-#include "common/geometry/surface_frame.hpp"
+#include "common/geometry/leg.hpp"
 
 #include <CppUTest/TestHarness.h>
 

@@ -1,5 +1,5 @@
 // What a person is told of each image of a photograph.
-#include "common/reduction/image_fit.hpp"
+#include "common/reduction/reduce.hpp"
 
 #include "tests/common/reduction/reduced_frames.hpp"
 

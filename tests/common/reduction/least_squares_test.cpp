@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "common/reduction/householder_qr.hpp"
+#include "common/reduction/factorization.hpp"
 #include "common/reduction/joint_fit.hpp"
 #include "common/reduction/reduce.hpp"
 

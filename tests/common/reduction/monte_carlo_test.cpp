@@ -1,10 +1,9 @@
 // The uncertainty by Monte Carlo.
-#include "common/reduction/monte_carlo.hpp"
+#include "common/reduction/uncertainty.hpp"
 
 #include <cmath>
 #include <string>
 
-#include "common/reduction/expanded_uncertainty.hpp"
 #include "tests/common/reduction/reduced_frames.hpp"
 
 #include <CppUTest/TestHarness.h>

@@ -1,9 +1,9 @@
 // Student's t, court pace and derivatives, against printed tables and worked examples.
 #include <cmath>
 
-#include "common/reduction/court_pace.hpp"
-#include "common/reduction/dual.hpp"
-#include "common/reduction/expanded_uncertainty.hpp"
+#include "common/reduction/propagate.hpp"
+#include "common/reduction/surface_crossing.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "common/reduction/running_statistics.hpp"
 #include "common/statistics/distributions.hpp"
 

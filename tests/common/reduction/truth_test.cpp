@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "common/reduction/expanded_uncertainty.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "common/reduction/reduce.hpp"
 #include "common/reduction/running_statistics.hpp"
 #include "tests/common/reduction/simulated_shot.hpp"

@@ -1,9 +1,9 @@
 // Budgets of photographs whose flashes were matched.
-#include "host/assembly/shot_budget.hpp"
-
 #include <cmath>
 #include <random>
 
+#include "common/reduction/mixture.hpp"
+#include "host/assembly/assemble.hpp"
 #include "host/series/budget_lines.hpp"
 #include "tests/host/synthetic_shot.hpp"
 #include "tests/support/string_from.hpp"
@@ -43,14 +43,16 @@ TEST(ShotBudget, OfAMixtureSumsUpToItsSdWithALineForTheAssignment) {
   const auto result = host::shot_readout(made.shot, made.frame, settings());
   CHECK_TRUE(result.readout.assignments->hypotheses > 1);
   CHECK_TRUE(result.assembled.has_value());
-  const reduction::Budget budget = host::shot_budget(*result.assembled, result.readout);
+  const reduction::Budget budget = reduction::mixture_budget(result.assembled->frame, result.readout);
   for (const Quantity q : {Quantity::vx_td_mps, Quantity::vy_lo_mps, Quantity::e, Quantity::mu}) {
-    double assignment = 0.0;
-    for (const auto& source : budget.sources)
+    double assignment = 0.0, combined = 0.0;
+    for (const auto& source : budget.sources) {
       if (source.source == reduction::Source::assignment) assignment = source.of(q);
+      combined = std::hypot(combined, source.of(q));
+    }
     DOUBLES_EQUAL(*result.readout.assignments->sd[q], assignment, 1e-15);
     const double all = std::hypot(*result.readout.sd[q], result.readout.sd_systematic[q].value_or(0.0));
-    DOUBLES_EQUAL(1.0, budget.combined_sd(q) / all, 1e-6);  // both parts are scaled to the mixture's
+    DOUBLES_EQUAL(1.0, combined / all, 1e-6);  // both parts are scaled to the mixture's
   }
 }
 
@@ -62,15 +64,14 @@ TEST(ShotBudget, IsEmptyWithoutAFrameAndAbsentUnlessAskedFor) {
   made.frame.images.clear();
   made.frame.image_count = 0;
   const host::AssembledShot shot = host::assemble(made.shot, made.frame, settings());
-  CHECK_TRUE(host::shot_budget(shot, {}).sources.empty());
+  CHECK_TRUE(reduction::mixture_budget(shot.frame, {}).sources.empty());
 }
 
 TEST(ShotBudget, HasLinesWhoseSharesSumUpToOne) {
   const auto made = fine_shot();
   const auto result = host::shot_readout(made.shot, made.frame, settings());
-  const reduction::Budget budget = host::shot_budget(*result.assembled, result.readout);
+  const reduction::Budget budget = reduction::mixture_budget(result.assembled->frame, result.readout);
   double shares = 0.0;
-  for (const host::BudgetLine& line : host::budget_lines(budget, Quantity::vx_td_mps))
-    shares += line.share;
+  for (const host::BudgetLine& line : host::budget_lines(budget, Quantity::vx_td_mps)) shares += line.share;
   DOUBLES_EQUAL(1.0, shares, 1e-12);
 }

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "common/reduction/expanded_uncertainty.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "tests/studies/in_parallel.hpp"
 
 namespace strobe::studies {

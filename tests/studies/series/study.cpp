@@ -6,7 +6,7 @@
 #include <random>
 
 #include "common/flight/aerodynamics.hpp"
-#include "common/reduction/expanded_uncertainty.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "common/reduction/reduce.hpp"
 #include "common/statistics/distributions.hpp"
 #include "host/series/compare.hpp"

@@ -1,9 +1,9 @@
 #include <array>
 #include <vector>
 
-#include "common/geometry/surface_frame.hpp"
-#include "common/reduction/court_pace.hpp"
-#include "common/reduction/dual.hpp"
+#include "common/geometry/line.hpp"
+#include "common/reduction/propagate.hpp"
+#include "common/reduction/surface_crossing.hpp"
 #include "tests/common/numerics/forms/forms.hpp"
 #include "tests/common/numerics/forms/wide.hpp"
 

@@ -1,4 +1,4 @@
-#include "common/reduction/square_root_information.hpp"
+#include "common/reduction/factorization.hpp"
 
 namespace strobe::reduction {
 namespace {

@@ -1,9 +1,10 @@
-// What makes a frame one that can be reduced.
-#include <algorithm>
-#include <cmath>
-#include <string>
+#include "common/reduction/frame.hpp"
 
-#include "common/reduction/observations.hpp"
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "common/ball/ball.hpp"
 
 namespace strobe::reduction {
 namespace {
@@ -135,6 +136,17 @@ std::optional<std::string> validation_error(const Frame& frame) {
     }
   }
   return invalid_map_errors(frame);
+}
+
+std::optional<double> temperature_c(const Frame& frame) {
+  if (frame.temperature_c) return frame.temperature_c;
+  const auto entry = frame.record.find("temperature_c");
+  if (entry == frame.record.end()) return std::nullopt;
+  const std::string& text = entry->second;
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value >= kMinTemperature_degC && value <= kMaxTemperature_degC ? std::optional(value) : std::nullopt;
 }
 
 }  // namespace strobe::reduction

@@ -1,4 +1,4 @@
-#include "common/reduction/spin_decay.hpp"
+#include "common/reduction/spin_line.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,433 @@
+#include "common/reduction/uncertainty.hpp"
+
+#include <algorithm>
+#include <boost/random/chi_squared_distribution.hpp>
+#include <boost/random/mersenne_twister.hpp>
+#include <boost/random/normal_distribution.hpp>
+#include <cassert>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "common/reduction/reduced_shot.hpp"
+#include "common/reduction/running_statistics.hpp"
+#include "common/statistics/distributions.hpp"
+
+namespace strobe::reduction {
+namespace {
+
+/// One input, independent of the others, which can be moved.
+struct Input {
+  std::size_t source = 0;  ///< index in Inputs::sources
+  std::function<void(ShotFit&, double sds)> move;
+};
+
+/// What a fit was made of: the measurements that it used.
+struct Inputs {
+  ShotFit fit;  ///< its noise as if it had been stated: weights do not follow what is moved
+  std::vector<BudgetSource> sources;  ///< without effects
+  std::vector<Input> inputs;
+};
+
+constexpr double kPercent = 100.0;
+
+/// A ball is as large to the air and to its rim as on the photograph.
+void enlarge_ball(Observations& all, double by_m) {
+  all.ball_diameter_m += by_m;
+  all.ball.diameter_m += by_m;
+}
+
+/// Takes a fit apart.
+class Collector {
+ public:
+  explicit Collector(const ShotFit& fit) : estimated_(fit) { inputs_.fit = fit; }
+
+  Inputs run() && {
+    images();
+    surface();
+    flash_times();
+    air(true);
+    scale();
+    for (std::size_t i = 0; i < seen().map_errors.size(); ++i) {
+      add({.source = Source::map, .number = static_cast<int>(i) + 1, .input_sd = 1.0, .input_unit = "sd"},
+          [i](ShotFit& fit, double sds) { shift(fit.observations.map_errors[i], sds, fit.observations); });
+    }
+    if (const auto sd_m = seen().ball_diameter_sd_m; sd_m && *sd_m > 0.0) {
+      add({.source = Source::ball_diameter, .input_sd = 1e3 * *sd_m, .input_unit = "mm"},
+          [sd = *sd_m](ShotFit& fit, double sds) { enlarge_ball(fit.observations, sds * sd); });
+    }
+    air(false);
+    spin_decay();
+    believe_noise();
+    return std::move(inputs_);
+  }
+
+ private:
+  const Observations& seen() const { return estimated_.observations; }
+
+  void add(const BudgetSource& source, std::function<void(ShotFit&, double)> move) {
+    inputs_.sources.push_back(source);
+    add_to_last(std::move(move));
+  }
+
+  void add_to_last(std::function<void(ShotFit&, double)> move) {
+    assert(!inputs_.sources.empty());
+    inputs_.inputs.push_back({inputs_.sources.size() - 1, std::move(move)});
+  }
+
+  BudgetSource noise_source(Source source, NoiseGroup group) const {
+    BudgetSource s{.source = source};
+    if (group == NoiseGroup::stated) return s;
+    const auto index = static_cast<std::size_t>(group);
+    s.type = EvaluationType::a;
+    s.factor = static_cast<int>(index);
+    s.degrees_of_freedom = estimated_.variance_components[index].degrees_of_freedom;
+    return s;
+  }
+
+  /// Of one kind: a source for each group of noise that there is.
+  template <typename Add>
+  void by_noise(Source source, bool Observation::*use, NoiseGroup Observation::*noise, const Add& each) {
+    for (std::size_t g = 0; g < kNoiseGroupCount; ++g) {
+      bool any = false;
+      for (std::size_t i = 0; i < seen().images.size(); ++i) {
+        const Observation& o = seen().images[i];
+        if (!(o.*use) || o.*noise != static_cast<NoiseGroup>(g)) continue;
+        if (!std::exchange(any, true))
+          inputs_.sources.push_back(noise_source(source, static_cast<NoiseGroup>(g)));
+        each(i, o);
+      }
+    }
+  }
+
+  void images() {
+    by_noise(Source::centres, &Observation::use_centre, &Observation::centre_noise,
+             [this](std::size_t i, const Observation& o) {
+               const double unit = seen().unit(o.centre_noise);
+               const CholeskyFactor& l = o.centre_cholesky_m;
+               move_centre(i, {unit * l.xx, unit * l.yx});
+               move_centre(i, {0.0, unit * l.yy});
+             });
+    by_noise(Source::diameters, &Observation::use_diameter, &Observation::diameter_noise,
+             [this](std::size_t i, const Observation& o) {
+               add_to_last([i, sd = seen().diameter_sd(o)](ShotFit& fit, double sds) {
+                 fit.observations.images[i].diameter_m += sds * sd;
+               });
+             });
+    by_noise(Source::equators, &Observation::use_equator, &Observation::equator_noise,
+             [this](std::size_t i, const Observation& o) {
+               add_to_last([i, sd = seen().equator_sd(o)](ShotFit& fit, double sds) {
+                 fit.observations.images[i].equator_rad += sds * sd;
+               });
+             });
+  }
+
+  void move_centre(std::size_t i, const Eigen::Vector2d& by_m) {
+    add_to_last([i, by_m](ShotFit& fit, double sds) { fit.observations.images[i].centre_m += sds * by_m; });
+  }
+
+  void surface() {
+    inputs_.sources.push_back(noise_source(Source::surface, seen().surface_noise));
+    for (std::size_t i = 0; i < seen().surface_m.size(); ++i) {
+      for (const Eigen::Vector2d& axis : {Eigen::Vector2d(1.0, 0.0), Eigen::Vector2d(0.0, 1.0)}) {
+        add_to_last([i, by = Eigen::Vector2d(seen().surface_sd() * axis)](ShotFit& fit, double sds) {
+          fit.observations.surface_m[i] += sds * by;
+        });
+      }
+    }
+  }
+
+  void flash_times() {
+    bool any = false;
+    for (std::size_t i = 0; i < seen().images.size(); ++i) {
+      const Observation& o = seen().images[i];
+      if (!(o.time_sd_s > 0.0) || !(o.use_centre || o.use_equator)) continue;
+      if (!std::exchange(any, true)) inputs_.sources.push_back({.source = Source::flash_times});
+      add_to_last(
+          [i, sd = o.time_sd_s](ShotFit& fit, double sds) { fit.observations.images[i].time_s += sds * sd; });
+    }
+  }
+
+  void scale() {
+    if (!seen().scale || !(seen().scale_sd > 0.0)) return;
+    add({.source = Source::scale, .input_sd = kPercent * seen().scale_sd / *seen().scale, .input_unit = "%"},
+        [sd = seen().scale_sd](ShotFit& fit, double sds) { *fit.observations.scale += sds * sd; });
+  }
+
+  /// What was known of the air before, where an open spin says nothing of it, or where it does.
+  void air(bool open) {
+    const AirErrors& prior = estimated_.air_fit.prior;
+    if (!open) {
+      move_air(kDragError, 1.0,
+               {.source = Source::drag,
+                .input_sd = kPercent * flight::kDragCoefficientSd / flight::kDragCoefficient,
+                .input_unit = "%"});
+    }
+    for (std::size_t leg = 0; leg < 2; ++leg) {
+      const std::size_t p = kLiftError[leg];
+      if (prior[p].open != open) continue;
+      // A larger coefficient lifts backspin and pulls down topspin.
+      const auto& spin = estimated_.spin[leg];
+      const double sign = !open && spin && spin->omega_radps < 0.0 ? -1.0 : 1.0;
+      const Source known = leg == 0 ? Source::lift_incoming : Source::lift_rebound;
+      BudgetSource source{.source = open ? Source::unknown_spin : known};
+      if (open) source.number = static_cast<int>(leg) + 1;
+      if (!open) {
+        source.input_sd = kPercent * flight::kLiftCoefficientShareSd;
+        source.input_unit = "%";
+      }
+      move_air(p, sign, source);
+    }
+  }
+
+  void move_air(std::size_t p, double sign, const BudgetSource& source) {
+    const double sd = estimated_.air_fit.prior[p].sd;
+    if (!(sd > 0.0) || !std::isfinite(sd)) return;
+    add(source, [p, by = sign * sd](ShotFit& fit, double sds) { fit.air_shift[p] += sds * by; });
+  }
+
+  void spin_decay() {
+    const double sd = estimated_.spin_decay_sd_per_m;
+    if (!(sd > 0.0)) return;
+    add({.source = Source::spin_decay, .input_sd = kPercent * sd, .input_unit = "%/m"},
+        [sd](ShotFit& fit, double sds) { fit.spin_decay_per_m += sds * sd; });
+  }
+
+  void believe_noise() {
+    Observations& all = inputs_.fit.observations;
+    for (Observation& o : all.images) {
+      const double unit = all.unit(o.centre_noise);
+      o.centre_cholesky_m.xx *= unit;
+      o.centre_cholesky_m.yx *= unit;
+      o.centre_cholesky_m.yy *= unit;
+      o.diameter_sd_m = all.diameter_sd(o);
+      o.equator_sd_rad = all.equator_sd(o);
+      o.centre_noise = o.diameter_noise = o.equator_noise = NoiseGroup::stated;
+    }
+    all.surface_sd_m = all.surface_sd();
+    all.surface_noise = NoiseGroup::stated;
+  }
+
+  const ShotFit& estimated_;
+  Inputs inputs_;
+};
+
+/// The numbers of the fit with what was moved in it.
+Quantities numbers(ShotFit moved, const PropagationOptions& propagation) {
+  refit(moved, moved.effects);
+  Readout readout;
+  propagate(moved, propagation, readout);
+  return readout.value;
+}
+
+/// Of an input's sd: the fit ends within a millionth of an sd, which is then a hundred-thousandth of an effect, and what
+/// is not linear in a tenth of an sd cancels to the third order.
+constexpr double kStep_sd = 0.1;
+
+constexpr std::array<std::string_view, kSourceCount> kNames{"centres",
+                                                            "diameters",
+                                                            "equators",
+                                                            "surface points",
+                                                            "flash times",
+                                                            "unknown spin",
+                                                            "assignment of flashes",
+                                                            "scale",
+                                                            "map error",
+                                                            "ball diameter",
+                                                            "drag coefficient",
+                                                            "lift coefficient, incoming",
+                                                            "lift coefficient, rebound",
+                                                            "spin decay"};
+
+/// By one standard deviation of the input.
+std::array<double, kQuantityCount> effects(const Inputs& inputs, const Input& input,
+                                           const PropagationOptions& propagation) {
+  const auto moved = [&](double sds) {
+    ShotFit fit = inputs.fit;
+    input.move(fit, sds);
+    return numbers(std::move(fit), propagation);
+  };
+  const Quantities up = moved(kStep_sd);
+  const Quantities down = moved(-kStep_sd);
+  std::array<double, kQuantityCount> by_one{};
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    by_one[i] = difference(up[q], down[q]) / (2.0 * kStep_sd);
+  }
+  return by_one;
+}
+
+/// The fit ends within a millionth of an sd: differences below this share of the number's own sd are rounding.
+constexpr double kNoEffect = 1e-5;
+
+void drop_rounding(const Readout& readout, BudgetSource& source) {
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    const double sd = std::hypot(readout.sd[q].value_or(0.0), readout.sd_systematic[q].value_or(0.0));
+    if (std::abs(source.effect[i]) < kNoEffect * sd) source.effect[i] = 0.0;
+  }
+}
+
+bool has_effect(const BudgetSource& source) {
+  return std::ranges::any_of(source.effect, [](double e) { return e != 0.0; });
+}
+
+constexpr double kOutside = 0.5 * (1.0 - kExpandedLevel);
+
+class Drawing {
+ public:
+  Drawing(const ShotFit& fit, const PropagationOptions& propagation, std::uint64_t seed)
+      : inputs_(Collector(fit).run()), propagation_(propagation), random_(seed) {}
+
+  Quantities draw() {
+    boost::random::normal_distribution<double> normal;
+    std::array<double, kNoiseGroupCount> widened;
+    widened.fill(0.0);  // not drawn yet
+    ShotFit moved = inputs_.fit;
+    for (const Input& input : inputs_.inputs)
+      input.move(moved, normal(random_) * widening(inputs_.sources[input.source], widened));
+    return numbers(std::move(moved), propagation_);
+  }
+
+ private:
+  /// Student's t is a normal deviate over the root of chi squared by its degrees of freedom.
+  double widening(const BudgetSource& source, std::array<double, kNoiseGroupCount>& drawn) {
+    if (!source.degrees_of_freedom || !(*source.degrees_of_freedom > 0.0)) return 1.0;
+    double& factor = drawn[static_cast<std::size_t>(source.factor)];
+    if (factor == 0.0) {
+      const double freedom = *source.degrees_of_freedom;
+      factor = std::sqrt(freedom / boost::random::chi_squared_distribution<double>(freedom)(random_));
+    }
+    return factor;
+  }
+
+  Inputs inputs_;
+  PropagationOptions propagation_;
+  boost::random::mt19937_64 random_;  ///< the same draws with every standard library
+};
+
+/// Of n sorted draws, the end below which `share` of them lie; its sd from the binomial distribution of their number
+/// there: half the distance between the draws that far on either side.
+struct End {
+  double value = 0.0, sd = 0.0;
+};
+
+End end_of(const std::vector<double>& sorted, double share) {
+  const double n = static_cast<double>(sorted.size());
+  const double at = share * (n - 1.0);
+  const double reach = std::sqrt(n * share * (1.0 - share));
+  const auto draw = [&](double place) {
+    return sorted[static_cast<std::size_t>(std::lround(std::clamp(place, 0.0, n - 1.0)))];
+  };
+  return {draw(at), 0.5 * (draw(at + reach) - draw(at - reach))};
+}
+
+/// Half a unit of its last significant digit, if it has so many.
+double tolerance_of(double standard_uncertainty, int digits) {
+  return 0.5 * std::pow(10.0, std::floor(std::log10(standard_uncertainty)) + 1.0 - digits);
+}
+
+Agreement agreement(double off, double tolerance, double end_sd) {
+  // Of sixteen quantities chance alone takes one beyond three sds once in some twenty times.
+  constexpr double kReach = 3.0;
+  if (off + kReach * end_sd <= tolerance) return Agreement::yes;
+  return off - kReach * end_sd > tolerance ? Agreement::no : Agreement::open;
+}
+
+std::optional<DrawnNumber> summary(std::vector<double>& values, const Readout& readout, Quantity q) {
+  const auto expanded = expanded_uncertainty(readout, q);
+  if (values.size() < 2 || !readout.value[q] || !expanded) return std::nullopt;
+  DrawnNumber number;
+  number.draws = static_cast<int>(values.size());
+  RunningStatistics all;
+  for (const double v : values) all.add(v);
+  number.mean = all.mean();
+  number.sd = all.population_sd();
+  std::ranges::sort(values);
+  const End low = end_of(values, kOutside), high = end_of(values, 1.0 - kOutside);
+  number.low = low.value;
+  number.high = high.value;
+  number.end_sd = std::max(low.sd, high.sd);
+  const double sd = std::hypot(*readout.sd[q], readout.sd_systematic[q].value_or(0.0));
+  if (!(sd > 0.0)) return number;
+  const double off = std::max(std::abs(*readout.value[q] - *expanded - number.low),
+                              std::abs(*readout.value[q] + *expanded - number.high));
+  for (number.digits = 2; number.digits > 0; --number.digits) {
+    number.tolerance = tolerance_of(sd, number.digits);
+    number.agrees = agreement(off, number.tolerance, number.end_sd);
+    if (number.agrees != Agreement::open || number.digits == 1) break;
+  }
+  return number;
+}
+
+}  // namespace
+
+std::optional<double> total_sd(const Readout& readout, Quantity quantity) {
+  const auto& sd = readout.sd[quantity];
+  if (!sd) return std::nullopt;
+  return std::hypot(*sd, readout.sd_systematic[quantity].value_or(0.0));
+}
+
+std::optional<double> expanded_uncertainty(const Readout& readout, Quantity quantity) {
+  const auto& sd = readout.sd[quantity];
+  if (!sd) return std::nullopt;
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  const double freedom = readout.degrees_of_freedom[quantity].value_or(kInfinite);
+  const double noise =
+      *sd * statistics::student_t_half_width(kExpandedLevel, freedom) / statistics::student_t_sigma(freedom);
+  const double tolerances = readout.sd_systematic[quantity].value_or(0.0) *
+                            statistics::student_t_half_width(kExpandedLevel, kInfinite);
+  return std::hypot(noise, tolerances);
+}
+
+std::string name_of(const BudgetSource& source) {
+  std::string name(kNames[static_cast<std::size_t>(source.source)]);
+  if (source.source == Source::unknown_spin) return name + (source.number == 1 ? ", incoming" : ", rebound");
+  return source.number > 0 ? name + " " + std::to_string(source.number) : name;
+}
+
+Result<Budget> uncertainty_budget(const Frame& frame, Estimator estimator, const ReduceOptions& options,
+                                  SourceChoice choice) {
+  if (estimator == Estimator::legacy) return fail("the estimator legacy has no uncertainty");
+  auto shot = reduce_shot(frame, estimator, options);
+  if (!shot) return tl::unexpected(shot.error());
+  Budget budget;
+  if (!shot->fit) return budget;
+  const Inputs inputs = Collector(*shot->fit).run();
+  const PropagationOptions propagation{temperature_c(frame)};
+  budget.sources = inputs.sources;
+  for (const Input& input : inputs.inputs) {
+    BudgetSource& source = budget.sources[input.source];
+    if (choice == SourceChoice::shared && !is_shared(source.source)) continue;
+    const auto by_one = effects(inputs, input, propagation);
+    for (std::size_t i = 0; i < kQuantityCount; ++i)
+      source.effect[i] = source.input_sd > 0.0 ? by_one[i] : std::hypot(source.effect[i], by_one[i]);
+  }
+  for (BudgetSource& source : budget.sources) drop_rounding(shot->readout, source);
+  std::erase_if(budget.sources, [](const BudgetSource& s) { return !has_effect(s); });
+  return budget;
+}
+
+Result<MonteCarlo> monte_carlo(const Frame& frame, int draws, std::uint64_t seed, Estimator estimator,
+                               const ReduceOptions& options) {
+  if (estimator == Estimator::legacy) return fail("the estimator legacy has no uncertainty");
+  if (draws < kMinDraws || draws > kMaxDraws) return fail("draws: must be 1,000 to 10,000,000");
+  auto shot = reduce_shot(frame, estimator, options);
+  if (!shot) return tl::unexpected(shot.error());
+  MonteCarlo result{.draws = draws, .seed = seed};
+  if (!shot->fit) return result;
+  Drawing drawing(*shot->fit, {temperature_c(frame)}, seed);
+  std::array<std::vector<double>, kQuantityCount> values;
+  for (int i = 0; i < draws; ++i) {
+    const Quantities drawn = drawing.draw();
+    for (std::size_t k = 0; k < kQuantityCount; ++k) {
+      if (const auto& value = drawn[static_cast<Quantity>(k)]) values[k].push_back(*value);
+    }
+  }
+  for (std::size_t k = 0; k < kQuantityCount; ++k)
+    result.quantities[k] = summary(values[k], shot->readout, static_cast<Quantity>(k));
+  return result;
+}
+
+}  // namespace strobe::reduction
