@@ -96,7 +96,9 @@ double largest_error(const Readout& readout, Quantity q, double sd) {
   return kWrong_sd / kHalfWidth95 * reduction::expanded_uncertainty(readout, q).value_or(sd);
 }
 
-double sd_or_zero(const Readout& readout, Quantity q) { return combined_sd(readout, q).value_or(0.0); }
+double sd_or_zero(const Readout& readout, Quantity q) {
+  return reduction::total_sd(readout, q).value_or(0.0);
+}
 
 /// Of the change of vx that is missing, by its parts.
 double missing_sd_mps(const Readout& readout, const Truth& truth) {
@@ -137,16 +139,11 @@ bool explains(std::string_view flag, Quantity quantity, Kind kind) {
   return contains(kExplanations[static_cast<std::size_t>(kind)].flags, flag);
 }
 
-std::optional<double> combined_sd(const Readout& readout, Quantity quantity) {
-  if (!readout.sd[quantity]) return std::nullopt;
-  return std::hypot(*readout.sd[quantity], readout.sd_systematic[quantity].value_or(0.0));
-}
-
 Judgement judged(const Readout& readout, const Truth& truth, Kind kind, bool few) {
   Judgement j;
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
-    const auto sd = combined_sd(readout, q);
+    const auto sd = reduction::total_sd(readout, q);
     if (!readout.value[q] || !sd) continue;
     const double error = std::abs(*readout.value[q] - *truth.value[q]);
     if (!(error > std::max(largest_error(readout, q, *sd), error_floor(q)))) continue;

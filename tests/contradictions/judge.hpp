@@ -37,10 +37,7 @@ struct Judgement {
       false;  ///< "grips" of a ball whose slip ended by less than it had to, by 6 sd and more
 };
 
-/// `few`: what is wrong is among few measurements (proof.hpp).
+/// `few`: what is wrong is among few measurements (shot.hpp).
 Judgement judged(const reduction::Readout& readout, const Truth& truth, Kind kind, bool few = false);
-
-/// Statistical and systematic together; absent where the readout states none.
-std::optional<double> combined_sd(const reduction::Readout& readout, reduction::Quantity quantity);
 
 }  // namespace strobe::contradictions

@@ -1,7 +1,7 @@
 // The judge finds a planted wrong number, and lets pass what a flag explains.
 #include <cmath>
 
-#include "tests/contradictions/tally.hpp"
+#include "tests/contradictions/report.hpp"
 
 #include <CppUTest/TestHarness.h>
 

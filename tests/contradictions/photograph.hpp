@@ -7,7 +7,6 @@
 
 #include "common/reduction/frame.hpp"
 #include "common/reduction/readout.hpp"
-#include "tests/contradictions/random.hpp"
 #include "tests/contradictions/scene.hpp"
 
 namespace strobe::contradictions {

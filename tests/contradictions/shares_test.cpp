@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "tests/contradictions/tally.hpp"
+#include "tests/contradictions/report.hpp"
 #include "tests/support/repetitions.hpp"
 
 #include <CppUTest/TestHarness.h>

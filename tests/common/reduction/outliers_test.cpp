@@ -1,6 +1,10 @@
 // How images that do not fit are left out.
+#include <cmath>
 #include <random>
+#include <string>
+#include <vector>
 
+#include "common/reduction/flags.hpp"
 #include "common/reduction/outliers.hpp"
 #include "common/reduction/shot_fit.hpp"
 #include "tests/common/reduction/reduced_frames.hpp"
@@ -99,4 +103,168 @@ TEST(Outliers, AnImageThatIsLeftOutLeavesTheShotThatThereIsWithoutIt) {
     equal(*never_there->value[q], left_out->value[q], 1e-5 * sd);
     equal(sd, left_out->sd[q], 1e-5 * sd);
   }
+}
+
+// Whether surface points that do not lie on one line are told and left out.
+
+namespace {
+
+/// Evenly spread, so that each point is as well controlled by the others as it can be.
+Setup spread_points(std::size_t count) {
+  Setup setup = vacuum();
+  setup.surface_x_m.clear();
+  for (std::size_t i = 0; i < count; ++i)
+    setup.surface_x_m.push_back(-0.20 + 0.46 * static_cast<double>(i) / static_cast<double>(count - 1));
+  return setup;
+}
+
+/// Every number within 4.5 sd of the truth: 16 numbers, of which five are independent, 3e-5 of the frames beyond.
+void check_true(const Readout& readout, const std::string& what) {
+  const Quantities truth = test::truth(Bounce{});
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    if (!truth[q]) continue;
+    CHECK_TRUE_TEXT(readout.value[q] && readout.sd[q], (what + kQuantityNames[i].data()).c_str());
+    const double z = (*readout.value[q] - *truth[q]) / *readout.sd[q];
+    CHECK_TRUE_TEXT(std::abs(z) < 4.5, (what + kQuantityNames[i].data() + std::to_string(z)).c_str());
+  }
+}
+
+}  // namespace
+
+TEST_GROUP(SurfacePoints){};
+
+TEST(SurfacePoints, AWrongOneOfFourOrMoreIsLeftOut) {
+  for (const std::size_t count : {4U, 5U, 9U, 20U}) {
+    for (std::size_t wrong = 0; wrong < count; ++wrong) {
+      Frame frame = noisy(spread_points(count));
+      frame.surface_px[wrong].y += 50.0;  // 25 sd
+      const Readout r = reduced(frame);
+      CHECK_TRUE(r.flags.has(Flag::outlier_surface_point));
+      CHECK_FALSE(r.flags.has(Flag::surface_suspect));
+      check_true(r, "point " + std::to_string(wrong) + " of " + std::to_string(count) + ": ");
+    }
+  }
+}
+
+TEST(SurfacePoints, AFrameWithoutThePointLeftOutHasTheSameNumbers) {
+  Setup setup = spread_points(6);
+  setup.labels = false;  // which images are airborne follows from the line
+  Frame frame = noisy(setup);
+  frame.surface_px[4].y -= 200.0;
+  const Readout left_out = reduced(frame);
+  frame.surface_px.erase(frame.surface_px.begin() + 4);
+  const Readout without = reduced(frame);
+  CHECK_TRUE(left_out.flags.has(Flag::outlier_surface_point));
+  CHECK_TRUE(left_out.value == without.value);
+  CHECK_TRUE(left_out.sd == without.sd);
+}
+
+TEST(SurfacePoints, TwoWrongOnesDoNotHideEachOther) {
+  for (const std::size_t second : {1U, 2U, 3U, 4U, 5U, 6U}) {
+    Frame frame = noisy(spread_points(7));
+    frame.surface_px[0].y += 50.0;
+    frame.surface_px[second].y += 40.0;
+    const Readout r = reduced(frame);
+    CHECK_TRUE(r.flags.has(Flag::outlier_surface_point));
+    check_true(r, "with point " + std::to_string(second) + ": ");
+  }
+}
+
+TEST(SurfacePoints, OfThreeThatDisagreeNoneIsSingledOutAndTheSdGrows) {
+  const Frame clean = noisy(spread_points(3));
+  const double sd = *reduced(clean).sd[Quantity::dwell_time_ms];
+  CHECK_FALSE(reduced(clean).flags.has(Flag::surface_suspect));
+  for (const std::size_t wrong : {0U, 1U, 2U}) {
+    Frame frame = clean;
+    frame.surface_px[wrong].y += 50.0;
+    const Readout r = reduced(frame);
+    CHECK_TRUE(r.flags.has(Flag::surface_suspect));
+    CHECK_FALSE(r.flags.has(Flag::outlier_surface_point));
+    CHECK_TRUE(*r.sd[Quantity::dwell_time_ms] > 3.0 * sd);
+    check_true(r, "point " + std::to_string(wrong) + ": ");
+  }
+}
+
+TEST(SurfacePoints, OfNeighboursThatContradictEachOtherNoneIsSingledOut) {
+  // Four points, two of them 4 cm apart on one side: whichever of the two is wrong, the other fits the far ones.
+  Setup setup = vacuum();
+  setup.surface_x_m = {-0.20, -0.16, 0.22, 0.26};
+  for (const std::size_t wrong : {0U, 1U}) {
+    Frame frame = noisy(setup);
+    frame.surface_px[wrong].y += 50.0;
+    const Readout r = reduced(frame);
+    CHECK_TRUE(r.flags.has(Flag::surface_suspect));
+    check_true(r, "point " + std::to_string(wrong) + ": ");
+  }
+}
+
+TEST(SurfacePoints, AreHeldAgainstTheCentresScatterWhereNoNoiseIsStated) {
+  Setup setup = spread_points(6);
+  setup.state_noise = false;
+  Frame frame = noisy(setup);
+  CHECK_FALSE(reduced(frame).flags.has(Flag::outlier_surface_point));
+  frame.surface_px[2].y += 40.0;
+  const Readout r = reduced(frame);
+  CHECK_TRUE(r.flags.has(Flag::outlier_surface_point));
+  check_true(r, "");
+}
+
+TEST(SurfacePoints, OfCleanPhotographsOneInAThousandIsDoubted) {
+  // 12 of 12,000, sd 3.5, whether noise is stated or estimated; within three sd.
+  for (const std::size_t points : {3U, 4U, 8U}) {
+    for (const bool stated : {true, false}) {
+      Setup setup = spread_points(points);
+      setup.state_noise = stated;
+      const std::uint64_t seed = seed_or(21);
+      test::Random random(seed);
+      int doubted = 0;
+      for (int i = 0; i < 12000; ++i) {
+        const auto r = reduce(test::photograph(Bounce{}, setup, random), Estimator::best);
+        doubted += r->flags.has(Flag::outlier_surface_point) || r->flags.has(Flag::surface_suspect);
+      }
+      CHECK_TRUE_TEXT(
+          doubted >= 2 && doubted <= 22,
+          (std::to_string(doubted) + ", repeat with STROBE_SEED=" + std::to_string(seed)).c_str());
+    }
+  }
+}
+
+TEST_GROUP(TwoSurfacePoints){};
+
+TEST(TwoSurfacePoints, OrThreeAreSaidToHaveNoRedundancy) {
+  CHECK_TRUE(reduced(noisy(spread_points(2))).flags.has(Flag::no_redundancy));
+  CHECK_TRUE(reduced(noisy(spread_points(3))).flags.has(Flag::no_redundancy));
+  CHECK_FALSE(reduced(noisy(spread_points(4))).flags.has(Flag::no_redundancy));
+}
+
+TEST(TwoSurfacePoints, ALineThatImagesInContactStandAboveIsDoubted) {
+  // The ball is at most 11 mm into the contact. With the line 15 mm too low it would not even touch.
+  Frame frame = noisy(spread_points(2));
+  CHECK_FALSE(reduced(frame).flags.has(Flag::surface_suspect));
+  for (PointPx& p : frame.surface_px) p.y -= 60.0;
+  CHECK_TRUE(reduced(frame).flags.has(Flag::surface_suspect));
+}
+
+TEST(TwoSurfacePoints, ALineAboveTheCentreOfAnImageInContactIsDoubted) {
+  Frame frame = straight_frame();
+  frame.centre_sd_px = 0.1;
+  frame.images[2].centre_px.y = 97.0;  // the line is at 100
+  CHECK_TRUE(reduced(frame).flags.has(Flag::surface_suspect));
+}
+
+TEST(TwoSurfacePoints, ATimeInContactBeforeTheTouchdownIsDoubted) {
+  Frame frame = straight_frame();  // touchdown at 4 ms, lift-off at 9
+  frame.images[2].time_s = 3e-3;
+  CHECK_TRUE(reduced(frame).flags.has(Flag::surface_suspect));
+  frame.images[2].time_s = 9.7e-3;
+  CHECK_TRUE(reduced(frame).flags.has(Flag::surface_suspect));
+  frame.images[2].time_s = 4.1e-3;
+  CHECK_FALSE(reduced(frame).flags.has(Flag::surface_suspect));
+}
+
+TEST(TwoSurfacePoints, ABallThatNearlyTouchesMayBeCalledInContact) {
+  Frame frame = straight_frame();
+  frame.images[2].time_s = 3.95e-3;  // 0.3 mm above the surface, which no eye tells from touching
+  CHECK_FALSE(reduced(frame).flags.has(Flag::surface_suspect));
 }

@@ -1,8 +1,10 @@
 // Whether noise stated too small is told, and what is then made of it.
 #include <array>
 #include <cmath>
+#include <random>
 #include <string>
 
+#include "common/reduction/reduce.hpp"
 #include "tests/common/reduction/reduced_frames.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -182,4 +184,139 @@ TEST(NoiseFromResiduals, SdsHoldWhatTheySayThoughNoiseIsStatedAtHalf) {
   }
   const double share = within / (2.0 * kShots);
   CHECK_TRUE_TEXT(std::abs(share - 0.6827) < 0.036, (std::to_string(share) + repeat(seed)).c_str());
+}
+
+// Whether a calibrated scale and the ball's diameters that contradict each other are told.
+
+namespace {
+
+/// Five images a leg, whose mean diameter is known to 0.77 % / sqrt(10) = 0.24 %.
+Frame calibrated(double error, double relative_sd, std::uint64_t seed = 3) {
+  Frame frame = noisy(vacuum(), seed);
+  frame.px_per_m = 4000.0 * (1.0 + error);
+  if (relative_sd > 0.0) frame.px_per_m_sd = 4000.0 * relative_sd;
+  return frame;
+}
+
+bool contradicts(const Frame& frame) { return reduced(frame).flags.has(Flag::scale_contradicts_ball); }
+
+}  // namespace
+
+TEST_GROUP(CalibratedScale){};
+
+TEST(CalibratedScale, ThatTheDiametersContradictTogetherIsTold) {
+  // 3 % is 12 sd of the mean, but 4 of each image: none is an outlier.
+  for (const double sd : {0.0, 0.002}) {
+    for (const double error : {-0.03, 0.03}) {
+      const Readout r = reduced(calibrated(error, sd));
+      CHECK_TRUE(r.flags.has(Flag::scale_contradicts_ball));
+      CHECK_FALSE(r.flags.has(Flag::outlier_image));
+    }
+    CHECK_FALSE(contradicts(calibrated(0.0, sd)));
+  }
+}
+
+TEST(CalibratedScale, ThatDiametersOfUnknownNoiseContradictIsTold) {
+  Frame frame = calibrated(0.03, 0.0);
+  frame.diameter_sd_px.reset();
+  CHECK_TRUE(contradicts(frame));
+  frame.px_per_m = 4000.0;
+  CHECK_FALSE(contradicts(frame));
+}
+
+TEST(CalibratedScale, IsNotContradictedByABallWithinItsTolerance) {
+  Frame frame = calibrated(0.02, 0.002);
+  CHECK_TRUE(contradicts(frame));
+  frame.ball_diameter_sd_m = 0.02 * frame.ball_diameter_m;
+  CHECK_FALSE(contradicts(frame));
+  frame.px_per_m = 4000.0 * 1.10;  // five times the tolerance, though no diameter joins in the fit
+  CHECK_TRUE(contradicts(frame));
+}
+
+TEST(CalibratedScale, CannotBeContradictedWhereThereIsNone) {
+  Frame frame = noisy();
+  frame.ball_diameter_m *= 1.05;
+  CHECK_FALSE(contradicts(frame));
+}
+
+TEST(CalibratedScale, OneWrongDiameterIsAnOutlierAndNoContradiction) {
+  Frame frame = calibrated(0.0, 0.0);
+  frame.images[1].diameter_px += 40.0;
+  const Readout r = reduced(frame);
+  CHECK_TRUE(r.flags.has(Flag::outlier_image));
+  CHECK_FALSE(r.flags.has(Flag::scale_contradicts_ball));
+}
+
+TEST(CalibratedScale, OfCleanPhotographsOneInAThousandIsDoubted) {
+  // 12 of 12,000, sd 3.5; within three sd.
+  for (const bool stated : {true, false}) {
+    const std::uint64_t seed = seed_or(22);
+    test::Random random(seed);
+    std::normal_distribution<double> error(0.0, 0.002);
+    int doubted = 0;
+    for (int i = 0; i < 12000; ++i) {
+      Frame frame = test::photograph(Bounce{}, vacuum(), random);
+      frame.px_per_m = 4000.0 * (1.0 + error(random));
+      frame.px_per_m_sd = 8.0;
+      if (!stated) frame.diameter_sd_px.reset();
+      doubted += contradicts(frame);
+    }
+    CHECK_TRUE_TEXT(doubted >= 2 && doubted <= 22,
+                    (std::to_string(doubted) + ", repeat with STROBE_SEED=" + std::to_string(seed)).c_str());
+  }
+}
+
+// What a person is told of each image of a photograph.
+
+namespace {
+
+Frame exact_frame() {
+  Setup setup = vacuum();
+  setup.noise_factor = 0.0;
+  Frame frame = noisy(setup);
+  frame.air_density_kgpm3 = 0.0;
+  return frame;
+}
+
+std::vector<ImageFit> fits_of(const Frame& frame) {
+  const auto fits = image_fits(frame);
+  CHECK_TRUE(fits.has_value());
+  CHECK_EQUAL(frame.images.size(), fits->size());
+  return *fits;
+}
+
+}  // namespace
+
+TEST_GROUP(ImageFits){};
+
+TEST(ImageFits, OfExactAirborneImagesLieOnTheirLegsPathAndAreUsedThoseInContactNot) {
+  const Frame frame = exact_frame();
+  for (std::size_t i = 0; const ImageFit& fit : fits_of(frame)) {
+    const auto leg = frame.images[i++].leg;
+    CHECK_TRUE(fit.leg == leg);
+    const bool airborne = leg != Leg::contact;
+    CHECK_TRUE(fit.centre_used == airborne && fit.diameter_used == airborne && fit.equator_used == airborne);
+    CHECK_EQUAL(airborne, fit.residual_px.has_value());
+    DOUBLES_EQUAL(0.0, fit.residual_px.value_or(0.0),
+                  1e-8);  // rounding of 1e3 px, through a condition below 1e4
+  }
+}
+
+TEST(ImageFits, TellHowFarFromItsPathAnImageIsThatWasLeftOut) {
+  Frame frame = exact_frame();
+  frame.images[1].centre_px.x += 30.0;
+  frame.images[1].centre_px.y += 40.0;
+  const std::vector<ImageFit> fits = fits_of(frame);
+  CHECK_FALSE(fits[1].centre_used);
+  equal(50.0, fits[1].residual_px, 1e-8);  // without noise the others' path is the true one
+  for (const std::size_t i : {0U, 2U, 3U}) CHECK_TRUE(fits[i].centre_used);
+}
+
+TEST(ImageFits, WithoutASurfaceAreUsedForNothing) {
+  Frame frame = exact_frame();
+  for (auto& point : frame.surface_px) point = frame.surface_px.front();
+  for (const ImageFit& fit : fits_of(frame)) {
+    CHECK_FALSE(fit.centre_used || fit.diameter_used || fit.equator_used);
+    CHECK_FALSE(fit.residual_px.has_value());
+  }
 }
