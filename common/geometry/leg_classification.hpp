@@ -1,4 +1,7 @@
 // Which images show the ball in the air before the impact, in contact, and in the air after it.
+// Asked twice, since more is known the second time: before images are matched to flashes only order and place decide;
+// once they have times, when the other images of a leg touch the surface. What digitized the photograph may have said so
+// already: its labels are kept unless the ball touches.
 // Pure functions; thread-safe; they allocate.
 #pragma once
 
