@@ -1,13 +1,12 @@
-// Readouts of shots of which several assignments of flashes to images are plausible.
-#include "common/reduction/mixture.hpp"
-
+// Readouts of shots of which several assignments of flashes to images are plausible, and their budgets.
 #include <fmt/format.h>
 
 #include <cmath>
 #include <random>
 
-#include "common/reduction/reduce.hpp"
+#include "common/reduction/mixture.hpp"
 #include "host/assembly/assemble.hpp"
+#include "host/series/budget_lines.hpp"
 #include "host/session/rejection.hpp"
 #include "tests/host/synthetic_shot.hpp"
 
@@ -140,4 +139,43 @@ TEST(ShotMixture, AnImageInContactThatFewWouldMissIsNoSecondHypothesis) {
     const Readout r = readout(make_shot(fine(seed, 0.0)));
     CHECK_TRUE(*r.assignments->sd[Quantity::dwell_time_ms] < 0.01);
   }
+}
+
+TEST_GROUP(ShotBudget) {
+  SyntheticShot made = make_shot(fine(3, 1.0));
+  host::AssemblySettings with_budgets = settings();
+  void setup() override { with_budgets.budgets = true; }
+};
+
+TEST(ShotBudget, OfAMixtureSumsUpToItsSdWithALineForTheAssignment) {
+  const auto result = host::shot_readout(made.shot, made.frame, with_budgets);
+  CHECK_TRUE(result.readout.assignments->hypotheses > 1);
+  CHECK_TRUE(result.assembled.has_value());
+  const reduction::Budget budget = reduction::mixture_budget(result.assembled->frame, result.readout);
+  for (const Quantity q : {Quantity::vx_td_mps, Quantity::vy_lo_mps, Quantity::e, Quantity::mu}) {
+    double assignment = 0.0, combined = 0.0;
+    for (const auto& source : budget.sources) {
+      if (source.source == reduction::Source::assignment) assignment = source.of(q);
+      combined = std::hypot(combined, source.of(q));
+    }
+    DOUBLES_EQUAL(*result.readout.assignments->sd[q], assignment, 1e-15);
+    const double all = std::hypot(*result.readout.sd[q], result.readout.sd_systematic[q].value_or(0.0));
+    DOUBLES_EQUAL(1.0, combined / all, 1e-6);  // both parts are scaled to the mixture's
+  }
+}
+
+TEST(ShotBudget, IsEmptyWithoutAFrameAndAbsentUnlessAskedFor) {
+  CHECK_FALSE(host::shot_readout(made.shot, made.frame, settings()).assembled.has_value());
+  made.frame.images.clear();
+  made.frame.image_count = 0;
+  const host::AssembledShot shot = host::assemble(made.shot, made.frame, with_budgets);
+  CHECK_TRUE(reduction::mixture_budget(shot.frame, {}).sources.empty());
+}
+
+TEST(ShotBudget, HasLinesWhoseSharesSumUpToOne) {
+  const auto result = host::shot_readout(made.shot, made.frame, with_budgets);
+  const reduction::Budget budget = reduction::mixture_budget(result.assembled->frame, result.readout);
+  double shares = 0.0;
+  for (const host::BudgetLine& line : host::budget_lines(budget, Quantity::vx_td_mps)) shares += line.share;
+  DOUBLES_EQUAL(1.0, shares, 1e-12);
 }
