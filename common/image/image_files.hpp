@@ -1,6 +1,6 @@
-// Image files, read and written in memory: TIFF by libtiff, PNG by libpng, JPEG by libjpeg, BMP and PNM by
-// hand. All functions: no I/O; nothing printed; never throw, whatever the bytes, but for want of memory
-// (bad_alloc); thread-safe; no memory is lost on errors. Errors are one line without the file's name.
+// Image files, read and written in memory: TIFF by libtiff, PNG by libpng, JPEG by libjpeg. All functions: no I/O;
+// nothing printed; never throw, whatever the bytes, but for want of memory (bad_alloc); thread-safe; no memory is lost
+// on errors. Errors are one line without the file's name.
 //
 // Pixels are the file's numbers: no colour profile, gamma or scaling is applied; alpha is left out, but that
 // libtiff multiplies colours of 8 bits by an unassociated alpha. A brighter pixel has a larger number.
@@ -32,11 +32,8 @@ Result<Raster> decode_png(Bytes bytes);
 /// guessing is an error.
 Result<Raster> decode_jpeg(Bytes bytes);
 
-/// Uncompressed BMP of 1, 4, 8 (palette), 16, 24 and 32 bits a pixel.
-Result<Raster> decode_bmp(Bytes bytes);
-
-/// PBM, PGM and PPM, as text and binary. Of text up to 255 the largest number becomes 255; others stay.
-Result<Raster> decode_pnm(Bytes bytes);
+/// Any of these, by its first bytes.
+Result<Raster> decode(Bytes bytes);
 
 struct TiffOptions {
   bool lzw = false;        ///< compressed, with differences of neighbours

@@ -11,7 +11,6 @@
 #include <jerror.h>
 
 #include "common/image/checks.hpp"
-#include "common/image/exif.hpp"
 #include "common/image/image_files.hpp"
 
 namespace strobe::image {

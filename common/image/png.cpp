@@ -6,7 +6,6 @@
 #include <cstring>
 
 #include "common/image/checks.hpp"
-#include "common/image/exif.hpp"
 #include "common/image/image_files.hpp"
 
 namespace strobe::image {

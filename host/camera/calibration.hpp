@@ -4,6 +4,8 @@
 // the lens is. Deterministic; thread-safe; allocates; no I/O.
 #pragma once
 
+#include <array>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,10 +14,19 @@
 #include "common/result.hpp"
 #include "host/camera/board.hpp"
 #include "host/camera/board_fit.hpp"
-#include "host/camera/map_errors.hpp"
+#include "host/config/camera_table.hpp"
 #include "host/digitize/core/plane_map.hpp"
 
 namespace strobe::camera {
+
+// What the board's points leave open of the map from the photograph to the plane: the parameters' covariance as a few
+// independent errors of the whole map. Deterministic; thread-safe; allocates; no I/O.
+
+/// How the map changes by one standard deviation of one error. Added to Calibration::rectify and the lens' terms.
+struct MapError {
+  cv::Matx33d rectify;                 ///< (2, 2) = 0
+  std::array<double, 4> lens_terms{};  ///< k1, k2, p1, p2
+};
 
 struct CalibrationSettings {
   int width_px = 0;
@@ -69,5 +80,10 @@ struct Calibration {
 
 /// Fails with a line if settings are out of range or the boards fit no camera.
 Result<Calibration> calibrate(std::span<const BoardView> views, const CalibrationSettings& settings);
+
+// A calibration's map as the calibration file says it. Pure; thread-safe; allocates.
+
+/// Sets the map and its errors, and nothing else.
+void set_map(const Calibration& found, host::CameraTable& table);
 
 }  // namespace strobe::camera

@@ -18,7 +18,6 @@
 #include "common/messages/or_null.hpp"
 #include "common/messages/parsed_json.hpp"
 #include "host/camera/calibration.hpp"
-#include "host/camera/map_table.hpp"
 #include "host/commands/command.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/digitize/image/photograph.hpp"

@@ -9,7 +9,7 @@
 #include "common/authentication/key.hpp"
 #include "host/commands/web_page.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/photographs/open_pipeline.hpp"
+#include "host/photographs/photograph_pipeline.hpp"
 
 namespace strobe::host {
 

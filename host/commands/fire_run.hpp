@@ -11,7 +11,7 @@
 #include "host/commands/terminal.hpp"
 #include "host/commands/web_page.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/photographs/open_pipeline.hpp"
+#include "host/photographs/photograph_pipeline.hpp"
 #include "host/session/run_lock.hpp"
 #include "host/session/run_record.hpp"
 #include "host/session/shot_series.hpp"

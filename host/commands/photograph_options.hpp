@@ -1,7 +1,7 @@
 // The options of commands that take the camera's photographs. No I/O; single-threaded.
 #pragma once
 
-#include "host/photographs/open_pipeline.hpp"
+#include "host/photographs/photograph_pipeline.hpp"
 
 namespace CLI {
 class App;

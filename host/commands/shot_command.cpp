@@ -13,7 +13,7 @@
 #include "host/commands/command.hpp"
 #include "host/commands/session_options.hpp"
 #include "host/commands/shot_report.hpp"
-#include "host/digitize/overlay/overlay.hpp"
+#include "host/digitize/overlay.hpp"
 #include "host/series/budget_lines.hpp"
 #include "host/series/from_session.hpp"
 #include "host/view/series_json.hpp"

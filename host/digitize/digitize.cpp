@@ -6,14 +6,13 @@
 #include <chrono>
 #include <cmath>
 
-#include "host/digitize/candidates/size_decision.hpp"
+#include "host/digitize/candidates/candidates.hpp"
 #include "host/digitize/core/statistics.hpp"
 #include "host/digitize/equator/equator.hpp"
-#include "host/digitize/outliers/ball_size.hpp"
 #include "host/digitize/outliers/selection.hpp"
 #include "host/digitize/outline/outlines.hpp"
 #include "host/digitize/path/image_order.hpp"
-#include "host/digitize/surface/contact_image.hpp"
+#include "host/digitize/surface/surface_line.hpp"
 #include "host/digitize/transfer/transfer_curve.hpp"
 
 namespace strobe::digitize {

@@ -18,8 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr Duration kScanEvery = std::chrono::seconds{1};
-constexpr std::array<std::string_view, 10> kKinds{".tif", ".tiff", ".png", ".jpg", ".jpeg",
-                                                  ".bmp", ".pgm",  ".ppm", ".pbm", ".pnm"};
+constexpr std::array<std::string_view, 5> kKinds{".tif", ".tiff", ".png", ".jpg", ".jpeg"};
 constexpr std::array<std::string_view, 5> kUnfinished{"~", ".tmp", ".temp", ".part", ".partial"};
 
 std::string lower_case(std::string text) {
@@ -75,8 +74,7 @@ bool CameraFolder::wanted(const std::string& name) {
   if (std::any_of(kUnfinished.begin(), kUnfinished.end(), ends)) return false;
   if (std::any_of(kKinds.begin(), kKinds.end(), ends)) return true;
   if (said_kinds_.insert(fs::path(lower).extension().string()).second) {
-    notifications_.push_back(name +
-                             ": not a kind of photograph that can be read (TIFF, PNG, JPEG, BMP, PNM)");
+    notifications_.push_back(name + ": not a kind of photograph that can be read (TIFF, PNG, JPEG)");
   }
   return false;
 }

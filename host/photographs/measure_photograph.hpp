@@ -9,11 +9,17 @@
 
 #include "common/result.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/digitize/corrections/corrections.hpp"
+#include "host/digitize/corrections.hpp"
 #include "host/digitize/digitize.hpp"
 #include "host/photographs/photograph_reader.hpp"
 
 namespace strobe::host {
+
+// What the rig file says to the digitizer: the ball, the calibrated scale, the camera. Values; thread-safe.
+
+/// For photographs of that size. Without a scale in the rig file there is none in the settings: it is found. Fails with
+/// one line if the camera's photographs have another size.
+Result<digitize::DigitizeSettings> digitize_settings(const RigFile& rig, int width_px, int height_px);
 
 /// Digitizes, corrects, and adds what the camera's calibration leaves open. Fails with one line.
 Result<digitize::Digitization> measure(const digitize::Photograph& photograph,

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "host/digitize/corrections/corrections.hpp"
+#include "host/digitize/corrections.hpp"
 #include "tests/fuzz/require.hpp"
 
 using namespace strobe::fuzz;

@@ -37,27 +37,6 @@ void try_reader(strobe::Result<Raster> (*decode)(Bytes), Bytes bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const Bytes bytes(data, size);
-  if (size < 2) return 0;
-  switch (bytes[0]) {  // as each format begins; each reader gets what begins otherwise, too
-    case 'I':
-    case 'M':
-      try_reader(decode_tiff, bytes);
-      break;
-    case 0xFF:
-      try_reader(decode_jpeg, bytes);
-      break;
-    case 'B':
-      try_reader(decode_bmp, bytes);
-      break;
-    case 'P':
-      try_reader(decode_pnm, bytes);
-      break;
-    case 0x89:
-      try_reader(decode_png, bytes);
-      break;
-    default:
-      for (const auto decode : {decode_tiff, decode_jpeg, decode_bmp, decode_pnm, decode_png})
-        try_reader(decode, bytes);
-  }
+  for (const auto reader : {decode, decode_tiff, decode_jpeg, decode_png}) try_reader(reader, bytes);
   return 0;
 }

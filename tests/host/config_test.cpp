@@ -4,7 +4,7 @@
 #include "host/config/notes.hpp"
 #include "host/config/plan_file.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/photographs/digitize_settings.hpp"
+#include "host/photographs/measure_photograph.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 

@@ -46,7 +46,7 @@ const std::map<std::string, std::vector<Layer>> kLayers{
          {"host/bounces", "host/digitize/path", "host/session"},
          {"host/digitize/outliers", "host/export"},
          {"host/digitize"},
-         {"host/digitize/corrections", "host/digitize/overlay", "host/report/model"},
+         {"host/report/model"},
          {"host/photographs", "host/report/html"},
          {"host/loop"},
          {"host/archive", "host/commission/core"},

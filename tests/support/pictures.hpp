@@ -11,13 +11,13 @@
 
 namespace strobe::testing {
 
-/// By the extension: .tif, .png, .jpg; .bmp and .pgm of grey pixels. Of 8 or 16 bits, but for .jpg and .bmp.
+/// By the extension: .tif, .png, .jpg. Of 8 or 16 bits, but for .jpg.
 std::vector<std::uint8_t> encoded_picture(const cv::Mat& pixels, const std::string& extension,
                                           const image::TiffOptions& options = {});
 
 void write_picture(const std::filesystem::path& path, const cv::Mat& pixels);
 
-/// TIFF and PNG.
+/// TIFF, PNG and JPEG.
 cv::Mat read_picture(const std::filesystem::path& path);
 
 }  // namespace strobe::testing

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <utility>
 
-#include "host/photographs/digitize_settings.hpp"
+#include "host/photographs/measure_photograph.hpp"
 
 namespace strobe::commission {
 namespace {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <opencv2/core.hpp>
 #include <utility>
 #include <vector>
 
@@ -32,6 +34,20 @@ inline double median(std::vector<double> values) {
   std::ranges::sort(values);
   const std::size_t n = values.size();
   return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+}
+
+// A check of invariants, for assertions. Pure; thread-safe.
+
+/// Whether a matrix is symmetric and positive semi-definite but for rounding.
+template <int n>
+bool is_covariance(const cv::Matx<double, n, n>& m) {
+  const double slack = 1e-9 * std::abs(cv::trace(m));
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < a; ++b)
+      if (!(std::abs(m(a, b) - m(b, a)) <= slack)) return false;
+  cv::Matx<double, n, 1> eigenvalues;
+  cv::eigen(m, eigenvalues);
+  return std::ranges::all_of(eigenvalues.val, [&](double value) { return value >= -slack; });
 }
 
 }  // namespace strobe::digitize

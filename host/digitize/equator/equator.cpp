@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <numbers>
 
 #include "host/digitize/core/statistics.hpp"
@@ -150,21 +151,6 @@ std::optional<TypicalLine> typical_line(const std::vector<Found>& found) {
   return TypicalLine{upper_median(contrasts), upper_median(widths)};
 }
 
-/// Rejects lines that differ too much from the typical one.
-void reject_atypical(std::vector<Found>& found) {
-  const auto typical = typical_line(found);
-  if (!typical || std::ranges::count_if(found, &Found::accepted) < 3) return;
-  for (Found& one : found) {
-    if (!one.accepted || is_typical(one.fit->line, *typical)) continue;
-    const EquatorLine& line = one.fit->line;
-    one.accepted = false;
-    one.why = {Reason::line_ambiguous,
-               fmt::format("a line of contrast {:.2f} and width {:.3f} radii, where most images' has "
-                           "{:.2f} and {:.3f}",
-                           line.contrast, line.shape.spread(), typical->contrast, typical->spread)};
-  }
-}
-
 /// Rejects all lines if they are on a minority of the balls and none is clear, or on a few, however clear:
 /// chance.
 void reject_few(std::vector<Found>& found) {
@@ -272,7 +258,6 @@ Scene prepare(const Photograph& photograph, const PlaneMap& map, std::span<const
 void find_lines(const Scene& scene, std::vector<Found>& found) {
   const std::vector<Found> nothing(found.size());
   for_each_ball(scene, [&](std::size_t k) { search(scene, k, nothing, {}, found[k]); });
-  reject_atypical(found);
   // Again, with the others' lines subtracted and the typical line known.
   const auto typical = typical_line(found);
   const std::vector<Found> before = found;
@@ -280,7 +265,6 @@ void find_lines(const Scene& scene, std::vector<Found>& found) {
     if (before[k].accepted || before[k].search.peaks.empty()) return;
     if (typical || has_line_beside(scene, k, before)) search(scene, k, before, typical, found[k]);
   });
-  reject_atypical(found);
 }
 
 /// Fits all lines again with their common shape, as they are one ball's.
@@ -319,11 +303,11 @@ std::vector<Measured<Equator>> measure_equators(const Photograph& photograph, co
   if (!scene.coarse.image.intensity.empty()) {
     find_lines(scene, found);
     refine_lines(scene, found);
-    reject_atypical(found);
     reject_few(found);
   }
   const Scatter scatter = common_scatter(found);
   for (std::size_t k = 0; k < found.size(); ++k) results.push_back(result(scene.discs[k], found[k], scatter));
+  assert(results.size() == outlines.size());
   return results;
 }
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "host/digitize/equator/line_shape.hpp"
+#include "host/digitize/equator/ball_pixels.hpp"
 
 namespace strobe::digitize {
 

@@ -1,16 +1,120 @@
-// Shading of the balls' images. Exposure adds up: intensity is the background plus the shadings of all balls
-// that overlap there. Each ball's is a low-order function of its disc; all are fitted together. Deterministic
-// for any number of threads; thread-safe; allocates.
+// One ball's image as a unit disc, and the equator line on it. Unit coordinates: u to the right and v up, in
+// radii from the disc's middle, so that the outline is u² + v² = 1 even if perspective makes it an ellipse; z
+// = sqrt(1 - u² - v²) points to the lens. Plain values; thread-safe; no allocation.
+//
+// A band on the sphere about a great circle whose plane is tilted by t out of the line of sight is where
+// f = v'·cos(t) - z·sin(t) - offset is small, (u', v') being turned by the line's angle: half an ellipse of
+// half axes 1 and sin(t), that begins and ends at the outline, on a diameter.
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <opencv2/core.hpp>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "host/digitize/equator/disc.hpp"
+#include "host/digitize/core/plane_map.hpp"
+#include "host/digitize/core/types.hpp"
 #include "host/digitize/image/photograph.hpp"
 
 namespace strobe::digitize {
+
+/// Darkness across a line, 0 to 1: a bar of `half_width`, blurred by a Gaussian of sd `soft`. Both in radii.
+struct LineShape {
+  double half_width = 0.05;
+  double soft = 0.02;
+
+  double darkness(double f) const;
+  /// d(darkness)/df
+  double derivative(double f) const;
+  /// Sd of the darkness' distribution: the line's width, blur included.
+  double spread() const { return std::sqrt(half_width * half_width / 3.0 + soft * soft); }
+  /// The darkness is negligible beyond this |f|.
+  double reach() const { return half_width + 3.0 * soft; }
+};
+
+/// Tabulated darkness of a shape and its derivative.
+class ShapeTable {
+ public:
+  explicit ShapeTable(const LineShape& shape);
+  double reach() const { return reach_; }
+  /// Darkness and its derivative.
+  std::pair<double, double> at(double f) const {
+    const double place = std::abs(f) * per_radius_;
+    if (!(place < kSteps)) return {0.0, 0.0};
+    const auto k = static_cast<std::size_t>(place);
+    const double part = place - static_cast<double>(k);
+    const double dark = dark_[k] + part * (dark_[k + 1] - dark_[k]);
+    const double derivative = derivative_[k] + part * (derivative_[k + 1] - derivative_[k]);
+    return {dark, f < 0.0 ? -derivative : derivative};
+  }
+
+ private:
+  static constexpr int kSteps = 64;
+  double reach_;
+  double per_radius_;  ///< steps
+  std::array<double, kSteps + 1> dark_{};
+  std::array<double, kSteps + 1> derivative_{};
+};
+
+/// An equator line in unit coordinates.
+struct EquatorLine {
+  double angle_rad = 0.0;
+  double tilt_rad = 0.0;
+  double offset = 0.0;    ///< of its middle, radii
+  double contrast = 0.0;  ///< share of the brightness that its middle takes
+  LineShape shape;
+};
+
+/// Coordinates of points along and across a line.
+class LineCoordinates {
+ public:
+  explicit LineCoordinates(const EquatorLine& line)
+      : cos_(std::cos(line.angle_rad)),
+        sin_(std::sin(line.angle_rad)),
+        cos_tilt_(std::cos(line.tilt_rad)),
+        sin_tilt_(std::sin(line.tilt_rad)),
+        offset_(line.offset) {}
+
+  double along(double u, double v) const { return cos_ * u + sin_ * v; }
+  double across(double u, double v) const {
+    return across(u, v, std::sqrt(std::max(0.0, 1.0 - u * u - v * v)));
+  }
+  double across(double u, double v, double z) const {
+    return (cos_ * v - sin_ * u) * cos_tilt_ - z * sin_tilt_ - offset_;
+  }
+
+ private:
+  double cos_, sin_, cos_tilt_, sin_tilt_, offset_;
+};
+
+struct Disc {
+  cv::Point2d centre_image;
+  cv::Matx22d unit_from_image;
+  cv::Matx22d image_from_unit;
+  cv::Matx22d plane_from_unit;
+  double radius_image_px = 0.0;
+  double rim = 0.0;        ///< half width of the ring around the outline that its edge disturbs, radii
+  double centre_sd = 0.0;  ///< radii
+
+  cv::Point2d unit(double column, double row) const {
+    const double x = column - centre_image.x, y = row - centre_image.y;
+    return {unit_from_image(0, 0) * x + unit_from_image(0, 1) * y,
+            unit_from_image(1, 0) * x + unit_from_image(1, 1) * y};
+  }
+  /// Half the width and height of a disc of that many radii on the photograph.
+  cv::Point2d half_extent_px(double radii) const;
+};
+
+/// Lens distortion and perspective are linearized over the ball.
+Disc make_disc(const PlaneMap& map, const Outline& outline);
+/// Whether all is finite and the radius is at least a pixel.
+bool is_valid(const Disc& disc);
+
+// Shading of the balls' images. Exposure adds up: intensity is the background plus the shadings of all balls
+// that overlap there. Each ball's is a low-order function of its disc; all are fitted together. Deterministic
+// for any number of threads; thread-safe; allocates.
 
 /// A part of the photograph, binned by stride x stride pixels.
 struct BinnedImage {

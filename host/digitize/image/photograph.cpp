@@ -11,11 +11,11 @@
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <vector>
 
 #include "common/image/image_files.hpp"
 #include "common/image/opencv.hpp"
-#include "host/digitize/image/image_header.hpp"
 
 namespace strobe::digitize {
 
@@ -29,44 +29,18 @@ std::string one_line(std::string text) {
   return text;
 }
 
-Result<ImageHeader> acceptable_header(std::span<const unsigned char> bytes) {
-  auto header = read_image_header(bytes);
-  if (!header) return header;
-  if (header->width < kMinSide || header->height < kMinSide)
-    return fail(fmt::format("{} x {} pixels are too few: {} x {} are needed", header->width, header->height,
-                            kMinSide, kMinSide));
-  return header;
-}
-
-/// Grey of 8 or 16 bits. The pixels lie in the file's bytes, in `raster`, or in `grey` itself.
+/// Grey of 8 or 16 bits. The pixels lie in `raster`, or in `grey` itself.
 struct Decoded {
   image::Raster raster;
   cv::Mat grey;
 };
 
-cv::Mat plain_pixels(std::span<const unsigned char> bytes, const ImageHeader& header) {
-  // OpenCV takes no const pixels, though it only reads them.
-  auto* data = const_cast<unsigned char*>(bytes.data());
-  const cv::Mat plain(static_cast<int>(header.height), static_cast<int>(header.width),
-                      header.bits == 8 ? CV_8UC1 : CV_16UC1, data + *header.raw_offset);
-  if (!header.inverted) return plain;
-  cv::Mat positive;
-  cv::bitwise_not(plain, positive);
-  return positive;
-}
-
-Result<image::Raster> decode_file(std::span<const unsigned char> bytes, std::string_view format) {
-  if (format == "TIFF") return image::decode_tiff(bytes);
-  if (format == "PNG") return image::decode_png(bytes);
-  if (format == "JPEG") return image::decode_jpeg(bytes);
-  if (format == "BMP") return image::decode_bmp(bytes);
-  return image::decode_pnm(bytes);
-}
-
-Result<Decoded> decode_grey(std::span<const unsigned char> bytes, const ImageHeader& header) {
-  if (header.raw_offset) return Decoded{{}, plain_pixels(bytes, header)};
-  auto raster = decode_file(bytes, header.format);
+Result<Decoded> decode_grey(std::span<const unsigned char> bytes) {
+  auto raster = image::decode(bytes);
   if (!raster) return tl::unexpected(raster.error());
+  if (raster->width() < kMinSide || raster->height() < kMinSide)
+    return fail(fmt::format("{} x {} pixels are too few: {} x {} are needed", raster->width(),
+                            raster->height(), kMinSide, kMinSide));
   const cv::Mat pixels = image::mat_of(*raster);
   if (raster->channels() == 1) return Decoded{std::move(*raster), pixels};
   Decoded decoded;
@@ -126,15 +100,13 @@ std::optional<int> bottom_of_peak(const std::array<std::int64_t, kBins>& counts,
 
 Result<Photograph> decoded(std::span<const unsigned char> bytes, const std::string& name) {
   if (bytes.size() > static_cast<std::size_t>(INT32_MAX)) return fail("the file is larger than 2 GB");
-  const auto header = acceptable_header(bytes);
-  if (!header) return tl::unexpected(header.error());
-  const auto decoded = decode_grey(bytes, *header);
+  const auto decoded = decode_grey(bytes);
   if (!decoded) return tl::unexpected(decoded.error());
   const cv::Mat& grey = decoded->grey;
   Photograph photograph;
   photograph.name = name;
   photograph.orientation = decoded->raster.orientation;
-  photograph.bits = header->bits == 1 ? 1 : grey.depth() == CV_8U ? 8 : 16;
+  photograph.bits = grey.depth() == CV_8U ? 8 : 16;
   const double top = grey.depth() == CV_8U ? 255.0 : 65535.0;
   // Half a number less, so that no saturated pixel is missed by rounding.
   photograph.saturation = static_cast<float>((saturation_level(grey) - 0.5) / top);

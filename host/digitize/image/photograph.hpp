@@ -13,7 +13,7 @@ namespace strobe::digitize {
 
 struct Photograph {
   cv::Mat intensity;  ///< CV_32FC1, proportional to the file's numbers; 1 is the largest that they can hold
-  int bits = 8;       ///< of the file's numbers: 1, 8 or 16
+  int bits = 8;       ///< of the file's numbers: 8 or 16
   float saturation = 1.0F;  ///< pixels of this intensity or more are clipped
   std::string name;         ///< the file's, for messages
   /// How EXIF, in a JPEG or PNG, says that the camera was held (1 to 8; 1: upright). The pixels are as stored: a
@@ -24,8 +24,8 @@ struct Photograph {
   int height() const { return intensity.rows; }
 };
 
-/// Decodes the formats of image_header.hpp, from 16 x 16 to image::kMaxPixels pixels. Colours become luminance. Fails with "NAME: what is
-/// wrong"; never throws, whatever the bytes. Thread-safe; allocates.
+/// Decodes TIFF, PNG and JPEG (common/image/image_files.hpp), from 16 x 16 to image::kMaxPixels pixels. Colours become
+/// luminance. Fails with "NAME: what is wrong"; never throws, whatever the bytes. Thread-safe; allocates.
 Result<Photograph> decode_photograph(std::span<const unsigned char> bytes, const std::string& name);
 
 /// Reads and decodes a file.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -138,6 +139,7 @@ std::vector<LimbAgreement> compare_limbs(const Photograph& photograph, const Pla
     if (std::ssize(limbs) < kMinOutlines) typical.fill(median_rise({limb.begin(), limb.end()}));
     result.push_back(compared(limb, typical));
   }
+  assert(result.size() == outlines.size());
   return result;
 }
 

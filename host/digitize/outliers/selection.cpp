@@ -1,17 +1,220 @@
 #include "host/digitize/outliers/selection.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
 
-#include "host/digitize/outliers/ball_size.hpp"
-#include "host/digitize/outliers/ghosts.hpp"
+#include "host/digitize/core/statistics.hpp"
 #include "host/digitize/outliers/limb_agreement.hpp"
-#include "host/digitize/outliers/spacing.hpp"
 #include "host/digitize/path/path.hpp"
 
 namespace strobe::digitize {
+namespace {
+
+constexpr std::size_t kMinForSlope = 5;
+// A ball that is compressed, or lit from one side, may differ this much.
+constexpr double kToleranceOfDiameter = 0.03;
+constexpr double kTolerance_sd = 5.0;
+
+double median_slope(std::span<const Outline> outlines) {
+  std::vector<double> slopes;
+  for (std::size_t i = 0; i < outlines.size(); ++i) {
+    for (std::size_t j = i + 1; j < outlines.size(); ++j) {
+      const double dx = outlines[j].centre.x - outlines[i].centre.x;
+      if (std::abs(dx) < outlines[i].diameter) continue;
+      slopes.push_back((outlines[j].diameter - outlines[i].diameter) / dx);
+    }
+  }
+  return slopes.size() < kMinForSlope ? 0.0 : median(std::move(slopes));
+}
+
+double spread_about(std::span<const Outline> outlines, const SizeModel& size) {
+  std::vector<double> off;
+  for (const Outline& o : outlines) off.push_back(std::abs(o.diameter - size.at(o.centre.x)));
+  return median(std::move(off));
+}
+
+SizeModel size_with_slope(std::span<const Outline> outlines, double slope) {
+  std::vector<double> at_zero;
+  for (const Outline& o : outlines) at_zero.push_back(o.diameter - slope * o.centre.x);
+  return {median(std::move(at_zero)), slope, 0.0};
+}
+
+}  // namespace
+
+SizeModel fit_size_model(std::span<const Outline> outlines) {
+  assert(!outlines.empty());
+  SizeModel size = size_with_slope(outlines, 0.0);
+  double spread = spread_about(outlines, size);
+  if (outlines.size() >= kMinForSlope) {
+    const SizeModel sloped = size_with_slope(outlines, median_slope(outlines));
+    const double less = spread_about(outlines, sloped);
+    if (less < 0.5 * spread) {
+      size = sloped;
+      spread = less;
+    }
+  }
+  std::vector<double> sds;
+  for (const Outline& o : outlines) sds.push_back(o.diameter_sd());
+  const double own = median(sds), all = kSdOverMad * spread;
+  size.spread = std::sqrt(std::max(0.0, all * all - own * own));
+  // 1.25: the error of a median against that of a mean.
+  size.sd = 1.25 * std::max(kSdOverMad * spread, median(std::move(sds))) /
+            std::sqrt(static_cast<double>(outlines.size()));
+  return size;
+}
+
+bool has_wrong_size(const Outline& outline, const SizeModel& size) {
+  const double expected = size.at(outline.centre.x);
+  const double allowed = std::max(kToleranceOfDiameter * expected,
+                                  kTolerance_sd * std::hypot(outline.diameter_sd(), size.sd, size.spread));
+  return std::abs(outline.diameter - expected) > allowed;
+}
+
+namespace {
+
+constexpr std::size_t kMinImages = 4;
+constexpr double kCloseOfStep = 0.5;
+// A true image that another hides by half agrees with a ball's limb less well, under ambient light by a quarter.
+constexpr double kClearDifference = 0.35;
+// Of the median interval, where the flashes' times are not known: trains that tell their flashes apart by unequal
+// intervals have none shorter, and neither lamp flashes that fast again. An outline that near to another borrows most
+// of its limb, and its quality.
+constexpr double kMinIntervalOfUnknown = 0.2;
+
+class Leg {
+ public:
+  Leg(std::vector<int> members, bool curved, std::span<const PathPoint> points,
+      std::span<const double> quality)
+      : members_(std::move(members)), curved_(curved), points_(points), quality_(quality) {}
+
+  /// Shortest interval of two flashes or more over the median one.
+  static double shortest_interval(std::span<const double> times_s) {
+    std::vector<double> steps;
+    for (std::size_t k = 1; k < times_s.size(); ++k) steps.push_back(times_s[k] - times_s[k - 1]);
+    const double least = *std::min_element(steps.begin(), steps.end());
+    return least / median(std::move(steps));
+  }
+
+  /// Removes the worse image of the closest pair. Returns nullopt if none is too close.
+  std::optional<TooClose> next(double shortest_interval) {
+    if (members_.size() < kMinImages) return std::nullopt;
+    const double typical = median_step();
+    std::optional<TooClose> nearest;
+    for (std::size_t k = 1; k < members_.size(); ++k) {
+      const double apart = step(k);
+      if (apart >= kCloseOfStep * typical || (nearest && apart >= nearest->distance_px)) continue;
+      const auto pair = worse_first(members_[k - 1], members_[k]);
+      const bool impossible = apart < kCloseOfStep * shortest_interval * typical;
+      if (!impossible && quality_of(pair.second) - quality_of(pair.first) < kClearDifference) continue;
+      nearest = TooClose{pair.first, pair.second, apart};
+    }
+    if (nearest) std::erase(members_, nearest->index);
+    return nearest;
+  }
+
+ private:
+  double quality_of(int i) const { return quality_[static_cast<std::size_t>(i)]; }
+  const PathPoint& at(int i) const { return points_[static_cast<std::size_t>(i)]; }
+  /// Gravity changes the speed along a curve, but not across the picture.
+  double step(std::size_t k) const {
+    const cv::Point2d step = at(members_[k]).at - at(members_[k - 1]).at;
+    return curved_ ? std::abs(step.x) : cv::norm(step);
+  }
+
+  double median_step() const {
+    std::vector<double> steps;
+    for (std::size_t k = 1; k < members_.size(); ++k) steps.push_back(step(k));
+    return median(std::move(steps));
+  }
+
+  std::pair<int, int> worse_first(int a, int b) const {
+    const bool a_worse =
+        quality_of(a) != quality_of(b) ? quality_of(a) < quality_of(b) : at(a).sd_px > at(b).sd_px;
+    return a_worse ? std::pair(a, b) : std::pair(b, a);
+  }
+
+  std::vector<int> members_;
+  bool curved_;
+  std::span<const PathPoint> points_;
+  std::span<const double> quality_;
+};
+
+}  // namespace
+
+std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint> points,
+                                     std::span<const double> quality, std::span<const double> flash_times_s) {
+  assert(points.size() == quality.size());
+  // Along a curve the ball may be slow, or seen from above itself.
+  const double unknown = path.curved ? 0.0 : kMinIntervalOfUnknown;
+  const double shortest_interval = flash_times_s.size() < 2 ? unknown : Leg::shortest_interval(flash_times_s);
+  std::vector<TooClose> too_close;
+  for (const auto& members : path.legs) {
+    Leg leg(members, path.curved, points, quality);
+    while (const auto next = leg.next(shortest_interval)) too_close.push_back(*next);
+  }
+  return too_close;
+}
+
+namespace {
+
+// Flashes of one train differ by at most 30 % in energy (limb_agreement.cpp). Less than half a diameter apart two
+// flashes light a ball alike; further on the lamps' light may fall off by as much again, and noise and blur take a
+// fifth of the rise of an outline that another half hides: .7² · .8 = .4.
+constexpr double kMinShareBeside = 0.7;
+constexpr double kMinShare = 0.4;
+constexpr double kBesideOfDiameter = 0.5;
+// Beyond, light may have fallen off by any amount.
+constexpr double kReachOfDiameter = 2.0;
+
+/// Median over the directions, as lamps stand still and light both alike: what crosses a limb disturbs a few of
+/// them only.
+double typical_rise(const Limb& limb) {
+  std::vector<double> rises(limb.begin(), limb.end());
+  std::erase_if(rises, [](double rise) { return std::isnan(rise); });
+  return median(std::move(rises));
+}
+
+/// Of the rise across the ball's limb, the disc's. Returns 1 if they have no direction in common.
+double share_of(const Limb& disc, const Limb& ball) {
+  std::vector<double> shares;
+  for (std::size_t k = 0; k < disc.size(); ++k)
+    if (!std::isnan(disc[k]) && ball[k] > 0.0F) shares.push_back(disc[k] / ball[k]);
+  return shares.empty() ? 1.0 : median(std::move(shares));
+}
+
+}  // namespace
+
+std::vector<Ghost> find_ghosts(std::span<const LitDisc> discs) {
+  std::vector<double> rise;
+  for (const LitDisc& disc : discs) rise.push_back(typical_rise(disc.limb));
+  std::vector<std::size_t> brightest_first(discs.size());
+  std::iota(brightest_first.begin(), brightest_first.end(), std::size_t{0});
+  std::ranges::stable_sort(brightest_first, std::ranges::greater{}, [&](std::size_t i) { return rise[i]; });
+  std::vector<std::size_t> balls;
+  std::vector<Ghost> ghosts;
+  for (const std::size_t i : brightest_first) {
+    const LitDisc& disc = discs[i];
+    std::optional<std::size_t> nearest;
+    double least = kReachOfDiameter * disc.diameter;
+    for (const std::size_t ball : balls) {
+      const double apart = cv::norm(discs[ball].centre - disc.centre);
+      if (apart < least) least = apart, nearest = ball;
+    }
+    const double share = nearest ? share_of(disc.limb, discs[*nearest].limb) : 1.0;
+    const bool beside = least < kBesideOfDiameter * disc.diameter;
+    if (share < (beside ? kMinShareBeside : kMinShare))
+      ghosts.push_back({static_cast<int>(i), share});
+    else if (disc.certain)
+      balls.push_back(i);
+  }
+  return ghosts;
+}
+
 namespace {
 
 // With fewer certain balls the size is taken from all outlines.

@@ -2,6 +2,7 @@
 // fails one is added to `rejected`. Deterministic for any number of threads; thread-safe; allocates.
 #pragma once
 
+#include <opencv2/core.hpp>
 #include <optional>
 #include <span>
 #include <vector>
@@ -9,9 +10,65 @@
 #include "host/digitize/core/plane_map.hpp"
 #include "host/digitize/core/types.hpp"
 #include "host/digitize/image/photograph.hpp"
+#include "host/digitize/outliers/limb_agreement.hpp"
+#include "host/digitize/path/path.hpp"
 #include "host/digitize/surface/surface_line.hpp"
 
 namespace strobe::digitize {
+
+// The ball's size on a photograph, estimated from all its images. It may change steadily across the
+// photograph, where the plane of flight is not square to the camera and no calibration corrects it.
+// Deterministic; thread-safe; allocates.
+
+struct SizeModel {
+  double diameter = 0.0;  ///< plane px, at x = 0
+  double slope = 0.0;     ///< per px of x
+  double sd = 0.0;        ///< of the diameter where the balls are
+  double spread = 0.0;    ///< sd of single balls about it, beyond what their own sds explain
+
+  double at(double x) const { return diameter + slope * x; }
+};
+
+/// Median diameter, with the median slope from 5 outlines on (Theil 1950, Sen 1968). At least one outline.
+SizeModel fit_size_model(std::span<const Outline> outlines);
+
+/// Whether the outline's diameter is not the ball's.
+bool has_wrong_size(const Outline& outline, const SizeModel& size);
+
+// Images of a leg that are too close to each other: the ball is at one place at a time and flies as steadily
+// as the lamps flash. Deterministic; thread-safe; allocates.
+
+struct TooClose {
+  int index = 0;      ///< of the rejected point
+  int neighbour = 0;  ///< of the better one next to it
+  double distance_px = 0.0;
+};
+
+/// Of two neighbours less than half the leg's median step apart, the one of clearly less `quality` (0 to 1,
+/// as steps may be unequal on purpose). If the flashes' times are known, and no two of them are close enough
+/// to explain it, the one of less quality however little; if they are not known, so on straight legs where a
+/// step is less than a tenth of the median one. Legs of fewer than 4 images are not checked.
+std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint> points,
+                                     std::span<const double> quality, std::span<const double> flash_times_s);
+
+// Discs that ambient light draws along the ball's path between two flashes: dim, and crowded against the images
+// that the flashes made. Deterministic; thread-safe; allocates.
+
+struct LitDisc {
+  cv::Point2d centre;
+  double diameter = 0.0;
+  Limb limb{};
+  bool certain = false;  ///< its limb is a ball's
+};
+
+struct Ghost {
+  int index = 0;
+  double share = 0.0;  ///< of the rise across the limb of the ball that it was compared with
+};
+
+/// Of discs along one path, those much dimmer than the nearest certain ball within two diameters that is no
+/// ghost itself.
+std::vector<Ghost> find_ghosts(std::span<const LitDisc> discs);
 
 /// Checks that need no path: precision, and the size that the outlines agree on. Neither counts for what
 /// is certainly a ball: a poor sd is a result, and real sizes vary as the path comes nearer.

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "host/digitize/image/photograph.hpp"
-#include "host/digitize/outline/local_frame.hpp"
+#include "host/digitize/outline/sector_samples.hpp"
 
 namespace strobe::digitize {
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "host/digitize/outline/edge_profile.hpp"
 #include "host/digitize/outline/sector_samples.hpp"

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,14 +27,39 @@ struct LegLine {
   double sd(cv::Point2d p) const;
 };
 
-/// Through points[members], at least 2 at different places; bent from 4 on.
-LegLine fit_leg_line(std::span<const PathPoint> points, std::vector<int> members, double diameter_px);
-
 /// Largest distance of an inlier from its leg, whose own sd there is `leg_sd_px`.
 double leg_tolerance(const PathPoint& point, double diameter_px, double leg_sd_px = 0.0);
 
 /// Every leg with two or more inliers among `eligible`, most inliers by weight first, at most `max_lines`.
 std::vector<LegLine> leg_lines(std::span<const PathPoint> points, std::span<const int> eligible,
                                double diameter_px, std::size_t max_lines);
+
+// Which of the straight legs found are the ball's way down and its way up. Geometry and chance only. Deterministic;
+// thread-safe; allocates.
+
+/// How far apart the ball may touch down and lift off, in diameters: 9 ms at 20 m/s.
+inline constexpr double kLongestContact = 2.8;
+/// Images that fix a line.
+inline constexpr std::size_t kMinOwnImages = 2;
+
+/// Where a leg is a radius above the surface.
+struct Crossing {
+  double x = 0.0;
+  double side = 0.0;  ///< where the leg lies from there: -1 left, +1 right, 0 straight above
+};
+
+/// Returns nullopt if the leg is parallel to the surface.
+std::optional<Crossing> crossing(const LegLine& line, double diameter_px);
+
+/// The leg's image that is farthest from a place.
+cv::Point2d far_end(std::span<const PathPoint> points, const LegLine& leg, cv::Point2d from);
+
+/// A further leg must explain more than this weight of images.
+double leg_cost(const PathContext& context);
+
+/// The leg or the two legs that explain most of `airborne`, the heavier line first; `lines` as leg_lines() gives them.
+/// Two meet: at the surface, or without one so that chance would hardly lead the second through what is no ball.
+std::vector<LegLine> choose_legs(std::span<const PathPoint> points, std::span<const int> airborne,
+                                 std::span<const LegLine> lines, const PathContext& context);
 
 }  // namespace strobe::digitize

@@ -68,9 +68,7 @@ struct Path {
   bool bounces() const { return legs.size() >= 2; }
 };
 
-/// Whether each of the points is in exactly one list: what find_path() guarantees.
-bool is_partition(const Path& path, std::size_t points);
-
+/// Each of the points is in exactly one of the lists.
 Path find_path(std::span<const PathPoint> points, const PathContext& context);
 
 /// Whether a ball with its centre at that height touches the surface.

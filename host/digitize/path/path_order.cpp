@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/digitize/path/flight_curve.hpp"
+#include "host/digitize/path/flight_legs.hpp"
 
 namespace strobe::digitize {
 namespace {

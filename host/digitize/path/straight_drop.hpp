@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "host/digitize/path/path.hpp"
+
 namespace strobe::digitize {
 
 /// An image in the air, on the line.
@@ -36,5 +38,12 @@ struct StraightDrop {
 /// The two flights that explain the most images and leave the fewest of their own unseen. Returns nullopt unless they
 /// are a thousand times likelier than flights of other speeds; each has two images or more.
 std::optional<StraightDrop> split_drop(std::span<const DropImage> images, const DropScene& scene);
+
+// The path of a ball that goes straight down and up. Deterministic; thread-safe; allocates.
+
+/// The legs become those of the images in the air, all on one line, from the highest: the way down and the way up
+/// with each image's flash, or one leg that is not told apart.
+void take_drop_images(std::span<const PathPoint> points, std::vector<int> images, const PathContext& context,
+                      Path& path);
 
 }  // namespace strobe::digitize

@@ -1,7 +1,6 @@
 #include "host/digitize/surface/surface_line.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -13,7 +12,6 @@
 #include "host/digitize/core/statistics.hpp"
 #include "host/digitize/surface/edge_line.hpp"
 #include "host/digitize/surface/edge_refinement.hpp"
-#include "host/digitize/surface/hough_lines.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -119,7 +117,8 @@ double quality(const EdgeLine& edge, std::span<const Outline> outlines) {
   return value;
 }
 
-/// The other edge of a plate that is seen from above: parallel to it, as long, and less than a ball away.
+/// The other edge of a plate that is seen from above: parallel to it, as long, and less than a ball away. Kept though no
+/// scene shows one, because a camera a hand above the plate does, and heights would be wrong by half its depth.
 const EdgeLine* other_edge(const EdgeLine& edge, std::span<const EdgeLine> edges,
                            std::span<const Outline> outlines) {
   double diameter = 0.0;
@@ -228,6 +227,40 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
   SurfaceLine line = four_points(middle);
   line.edge_separation_px = std::abs(other->at(best->middle.x) - best->middle.y);
   return line;
+}
+
+namespace {
+
+constexpr double kMaxTopSdOfDiameter = 0.05;
+// Where the surface cuts the outline at a grazing angle the width is meaningless.
+constexpr double kMaxWidthSdOfDiameter = 0.15;
+
+}  // namespace
+
+Measured<ContactImage> measure_contact(const Outline& outline, const SurfaceLine& surface) {
+  const geometry::SurfaceFrame axes = surface_frame(surface);
+  const cv::Point2d up = to_point(axes.line.tilt * Eigen::Vector2d::UnitY());
+  const double radius = 0.5 * outline.diameter;
+  ContactImage contact;
+  contact.top = outline.centre + radius * up;
+  const cv::Vec3d top_by(up.x, up.y, 0.5);
+  contact.top_sd_px = std::sqrt(top_by.dot(outline.covariance * top_by));
+  if (!(contact.top_sd_px <= kMaxTopSdOfDiameter * outline.diameter)) {
+    return tl::unexpected(Rejection{
+        Reason::imprecise, fmt::format("the top of the ball is known to {:.1f} px only", contact.top_sd_px)});
+  }
+  const double height = axes.from_image(to_eigen(outline.centre)).y();
+  const double half2 = radius * radius - height * height;
+  if (half2 <= 0.0) return contact;
+  // The chord that the surface cuts off: (w/2)² = r² - h².
+  const double half = std::sqrt(half2);
+  const cv::Vec3d width_by(-2.0 * height / half * up.x, -2.0 * height / half * up.y, radius / half);
+  const double surface_part = 2.0 * height / half * height_sd_px(surface);
+  const double sd = std::sqrt(width_by.dot(outline.covariance * width_by) + surface_part * surface_part);
+  if (sd > kMaxWidthSdOfDiameter * outline.diameter) return contact;
+  contact.width_px = 2.0 * half;
+  contact.width_sd_px = sd;
+  return contact;
 }
 
 }  // namespace strobe::digitize

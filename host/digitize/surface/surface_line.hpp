@@ -33,4 +33,17 @@ double height_sd_px(const SurfaceLine& line);
 Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const PlaneMap& map,
                                         std::span<const Outline> outlines);
 
+// The image of a ball in contact: flattened below, so that its top and the width of its flat side are
+// measured besides its centre. Deterministic; thread-safe; allocates.
+
+struct ContactImage {
+  cv::Point2d top;                 ///< farthest point of the ball from the surface
+  double top_sd_px = 0.0;          ///< perpendicular to the surface
+  std::optional<double> width_px;  ///< of the flat side; absent: not measurable
+  std::optional<double> width_sd_px;
+};
+
+/// `outline`: fitted to the round part of the image. Rejection: imprecise.
+Measured<ContactImage> measure_contact(const Outline& outline, const SurfaceLine& surface);
+
 }  // namespace strobe::digitize

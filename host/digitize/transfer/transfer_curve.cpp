@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -199,6 +200,7 @@ std::optional<TransferCurve> measure_transfer(const Photograph& photograph, cons
 }
 
 Photograph linearized(const Photograph& photograph, const TransferCurve& curve) {
+  assert(curve.exponent > 0.0);
   Photograph light = photograph;
   cv::pow(cv::max(photograph.intensity, 0.0), 1.0 / curve.exponent, light.intensity);
   light.saturation =

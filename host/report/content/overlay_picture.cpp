@@ -6,8 +6,8 @@
 #include "common/image/image_files.hpp"
 #include "common/image/opencv.hpp"
 #include "common/messages/lcm_conversions.hpp"
-#include "host/digitize/overlay/overlay.hpp"
-#include "host/photographs/digitize_settings.hpp"
+#include "host/digitize/overlay.hpp"
+#include "host/photographs/measure_photograph.hpp"
 
 namespace strobe::lab_report {
 

@@ -8,7 +8,7 @@
 #include "common/image/image_files.hpp"
 #include "common/image/opencv.hpp"
 #include "host/digitize/image/photograph.hpp"
-#include "host/digitize/overlay/display.hpp"
+#include "host/digitize/overlay.hpp"
 
 namespace strobe::web {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "host/digitize/core/plane_map.hpp"
-#include "host/digitize/corrections/corrections.hpp"
+#include "host/digitize/corrections.hpp"
 
 namespace strobe::web {
 

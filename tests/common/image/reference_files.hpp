@@ -21,14 +21,4 @@ inline std::vector<std::uint8_t> reference_bytes(const std::string& name) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// By the extension.
-inline Result<image::Raster> decoded(const std::string& name, const std::vector<std::uint8_t>& bytes) {
-  const std::string kind = std::filesystem::path(name).extension().string();
-  if (kind == ".tif") return image::decode_tiff(bytes);
-  if (kind == ".png") return image::decode_png(bytes);
-  if (kind == ".jpg") return image::decode_jpeg(bytes);
-  if (kind == ".bmp") return image::decode_bmp(bytes);
-  return image::decode_pnm(bytes);
-}
-
 }  // namespace strobe::testing

@@ -6,7 +6,7 @@
 
 #include "host/commands/command.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/photographs/digitize_settings.hpp"
+#include "host/photographs/measure_photograph.hpp"
 #include "tests/host/camera/pinhole.hpp"
 #include "tests/support/pictures.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -7,7 +7,6 @@
 #include "common/reduction/reduce.hpp"
 #include "host/assembly/camera_map.hpp"
 #include "host/camera/calibration.hpp"
-#include "host/camera/map_table.hpp"
 #include "sim/photograph/board.hpp"
 #include "tests/common/reduction/simulated_shot.hpp"
 

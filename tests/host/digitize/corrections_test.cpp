@@ -1,4 +1,4 @@
-#include "host/digitize/corrections/corrections.hpp"
+#include "host/digitize/corrections.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "host/digitize/overlay/overlay.hpp"
+#include "host/digitize/overlay.hpp"
 
 #include "tests/support/pictures.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -6,7 +6,6 @@
 
 #include "host/digitize/path/image_order.hpp"
 #include "host/digitize/path/path.hpp"
-#include "host/digitize/path/time_order.hpp"
 
 #include "tests/support/string_from.hpp"
 

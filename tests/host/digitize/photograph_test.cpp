@@ -1,10 +1,9 @@
 #include "host/digitize/image/photograph.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
-
-#include "host/digitize/image/image_header.hpp"
 
 #include "tests/support/error_of.hpp"
 #include "tests/support/pictures.hpp"
@@ -45,18 +44,6 @@ cv::Mat with_heap(int depth, int from, int to) {
   return pixels;
 }
 
-/// A TIFF of 20 x 20 numbers of tag 339's kind 3.
-Bytes of_floating_point() {
-  Bytes bytes{'I', 'I', 42, 0, 8, 0, 0, 0, 6, 0};
-  const std::vector<std::array<int, 2>> entries{{256, 20}, {257, 20},   {258, 32},
-                                                {273, 90}, {279, 1600}, {339, 3}};
-  for (const auto& [tag, value] : entries)
-    for (const int number : {tag, 3, 1, 0, value, 0})
-      for (const int byte : {number & 0xFF, number >> 8}) bytes.push_back(static_cast<unsigned char>(byte));
-  bytes.resize(90 + 1600);
-  return bytes;
-}
-
 std::string complaint(const Bytes& bytes) {
   return strobe::testing::error_of(decode_photograph(bytes, "shot.tif"));
 }
@@ -76,7 +63,7 @@ TEST(Photograph, LightIsProportionalToTheFilesNumbersWhateverTheFormat) {
   for (const int depth : {CV_8U, CV_16U}) {
     const double top = depth == CV_8U ? 255.0 : 65535.0;
     const cv::Mat pixels = ramp(depth, depth == CV_8U ? 1 : 101);
-    for (const std::string extension : {".tif", ".png", ".pgm"}) {
+    for (const std::string extension : {".tif", ".png"}) {
       const auto photograph = decode_photograph(encoded_picture(pixels, extension), "a");
       CHECK_TRUE(photograph.has_value());
       CHECK_EQUAL(depth == CV_8U ? 8 : 16, photograph->bits);
@@ -106,25 +93,12 @@ TEST(Photograph, ColoursBecomeTheirLuminance) {
   DOUBLES_EQUAL(0.114 * 40 + 0.587 * 80 + 0.299 * 160, 255.0 * photograph->intensity.at<float>(5, 5), 0.51);
 }
 
-TEST(Photograph, OneBitIsBlackAndWhite) {
-  // A bitmap of 24 x 16 pixels, black where its bits are set, white from column 10 on.
-  std::string text = "P4 24 16\n";
-  for (int row = 0; row < 16; ++row) text += std::string("\xFF\xC0\x0F", 3);
-  const auto photograph = decode_photograph(Bytes(text.begin(), text.end()), "a");
-  CHECK_TRUE(photograph.has_value());
-  CHECK_EQUAL(1, photograph->bits);
-  DOUBLES_EQUAL(0.0, photograph->intensity.at<float>(8, 9), 0.0);
-  DOUBLES_EQUAL(1.0, photograph->intensity.at<float>(8, 10), 1e-6);
-}
-
-TEST(Photograph, AFileThatEndsTooEarlySaysSo) {
-  const cv::Mat pixels = ramp(CV_8U, 1);
-  for (const std::string extension : {".tif", ".png", ".jpg", ".bmp", ".pgm"}) {
-    const Bytes whole = encoded_picture(pixels, extension);
+TEST(Photograph, AFileThatEndsTooEarlyIsNone) {
+  for (const std::string extension : {".tif", ".png", ".jpg"}) {
+    const Bytes whole = encoded_picture(ramp(CV_8U, 1), extension);
     CHECK_TRUE(decode_photograph(whole, "a").has_value());
     for (std::size_t length = 0; length < whole.size(); length += 1 + length / 8)
-      CHECK_TRUE(complaint(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length))) != "");
-    check_complaint(Bytes(whole.begin(), whole.end() - 30), "cut short");
+      check_complaint(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)), "");
   }
 }
 
@@ -132,13 +106,14 @@ TEST(Photograph, WhatIsNoPictureIsNamed) {
   check_complaint({}, "the file is empty");
   check_complaint(Bytes(100, 'x'), "no picture of a kind that is read");
   check_complaint(encoded_picture(cv::Mat::zeros(15, 40, CV_8U), ".png"), "40 x 15 pixels are too few");
-  check_complaint(of_floating_point(), "floating-point");
 }
 
 TEST(Photograph, AHeaderOfBillionsOfPixelsIsRefusedBeforeTheyAreAllocated) {
-  Bytes png = encoded_picture(ramp(CV_8U, 1), ".png");
-  for (const std::size_t at : {std::size_t{16}, std::size_t{20}}) png[at] = 0x7F;
-  check_complaint(png, "more than the 120 million");
+  Bytes jpeg = encoded_picture(ramp(CV_8U, 1), ".jpg");
+  const std::array frame{0xFF, 0xC0};
+  const auto at = std::ranges::search(jpeg, frame).begin() - jpeg.begin();
+  for (const int high : {5, 7}) jpeg[static_cast<std::size_t>(at + high)] = 0xFF;  // rows and columns, 65280 or more
+  check_complaint(jpeg, "more than the 120 million");
 }
 
 TEST(Photograph, PathsThatAreNoPlainFileAreNamed) {
@@ -176,30 +151,9 @@ TEST(Photograph, OfPlainTiffIsReadAsThePackedOne) {
     // 7 rows a strip, so that there are several.
     const Bytes plain = encoded_picture(pixels, ".tif", {.rows_per_strip = 7});
     const Bytes packed = encoded_picture(pixels, ".tif", {.lzw = true});
-    const auto header = strobe::digitize::read_image_header(plain);
-    CHECK_TRUE(header.has_value() && header->raw_offset.has_value());
-    CHECK_FALSE(strobe::digitize::read_image_header(packed)->raw_offset.has_value());
     const auto a = decode_photograph(plain, "plain"), b = decode_photograph(packed, "packed");
     CHECK_TRUE(a.has_value() && b.has_value());
     DOUBLES_EQUAL(0.0, cv::norm(a->intensity, b->intensity, cv::NORM_INF), 0.0);
     DOUBLES_EQUAL(a->saturation, b->saturation, 0.0);
   }
-}
-
-TEST(Photograph, OfPlainTiffWithZeroForWhiteIsTurnedAboutAndTheFileLeftAlone) {
-  const cv::Mat pixels = ramp(CV_8U, 1);
-  Bytes bytes = encoded_picture(pixels, ".tif");
-  // The entry of tag 262 (photometric interpretation), a short: 1 becomes 0.
-  bool found = false;
-  for (std::size_t i = 8; i + 12 <= bytes.size() && !found; ++i) {
-    if (bytes[i] != 0x06 || bytes[i + 1] != 0x01 || bytes[i + 2] != 3 || bytes[i + 8] != 1) continue;
-    bytes[i + 8] = 0;
-    found = true;
-  }
-  CHECK_TRUE(found);
-  const Bytes before = bytes;
-  const auto photograph = decode_photograph(bytes, "negative");
-  CHECK_TRUE(photograph.has_value());
-  DOUBLES_EQUAL(1.0 - 5.0 / 255.0, photograph->intensity.at<float>(0, 5), 1e-6);
-  CHECK_EQUAL(before, bytes);
 }

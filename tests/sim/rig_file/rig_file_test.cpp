@@ -10,7 +10,7 @@
 
 #include "firmware/core/rig.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/photographs/digitize_settings.hpp"
+#include "host/photographs/measure_photograph.hpp"
 #include "sim/loading/load_scene.hpp"
 #include "sim/photograph/appearance.hpp"
 #include "tests/support/temporary_folder.hpp"

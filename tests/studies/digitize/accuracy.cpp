@@ -1,15 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <map>
 
-#include "host/digitize/overlay/overlay.hpp"
+#include "host/digitize/overlay.hpp"
 #include "sim/loading/load_scene.hpp"
-#include "tests/studies/digitize/hough.hpp"
 #include "tests/studies/digitize/in_order.hpp"
 #include "tests/studies/digitize/photographs.hpp"
 #include "tests/studies/digitize/studies.hpp"
@@ -21,13 +19,8 @@ namespace strobe::studies::digitize {
 namespace {
 
 using strobe::digitize::Digitization;
-using Clock = std::chrono::steady_clock;
 
 constexpr int kNameWidth = 8;
-
-double milliseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 /// Milliseconds by stage in the order of work, each the least of some rounds.
 class Stages {
@@ -60,23 +53,11 @@ class Stages {
   int photographs_ = 0;
 };
 
-struct Hough {
-  Score score;
-  double ms = 0.0;
-
-  int of() const { return score.airborne + score.contact; }
-  int found() const { return score.found + score.contact_found; }
-  double recall() const { return static_cast<double>(found()) / std::max(1, of()); }
-  double precision() const { return static_cast<double>(found()) / std::max(1, found() + score.invented); }
-  double f1() const { return 2.0 * found() / std::max(1, of() + found() + score.invented); }
-};
-
 /// What became of one photograph.
 struct Done {
   Score score;
   TimeCount times;
   Stages stages;
-  std::vector<Hough> hough;
   std::string csv;
 };
 
@@ -102,7 +83,7 @@ void save(const std::string& to, const std::string& name, const KnownPhotograph&
 class Study {
  public:
   Study(const Options& options, std::vector<sim::Scene> scenes)
-      : options_(options), scenes_(std::move(scenes)), trials_(hough_trials()) {}
+      : options_(options), scenes_(std::move(scenes)) {}
 
   Result<void> run() {
     if (!options_.csv.empty()) {
@@ -148,19 +129,7 @@ class Study {
     const bool amiss = s.found < s.airborne || s.contact_found < s.contact || s.invented > 0;
     if (amiss && !options_.save.empty())
       save(options_.save, fmt::format("{}_{}", name, shot), *known, digitization);
-    if (options_.hough) done.hough = try_hough(*known);
     return done;
-  }
-
-  std::vector<Hough> try_hough(const KnownPhotograph& known) const {
-    std::vector<Hough> tried;
-    for (const HoughSettings& trial : trials_) {
-      const auto start = Clock::now();
-      const reduction::Frame frame = hough_circles(known.photograph, known.settings, trial);
-      const double ms = milliseconds_since(start);
-      tried.push_back({score(known.truth, frame), ms});
-    }
-    return tried;
   }
 
   void take(const Done& done) {
@@ -169,11 +138,6 @@ class Study {
     stages_.sum(done.stages);
     ++photographs_;
     csv_ << done.csv;
-    hough_.resize(std::max(hough_.size(), done.hough.size()));
-    for (std::size_t k = 0; k < done.hough.size(); ++k) {
-      hough_[k].score.add(done.hough[k].score);
-      hough_[k].ms += done.hough[k].ms;
-    }
   }
 
   void end_scene(const std::string& name) {
@@ -189,24 +153,14 @@ class Study {
         "top of contact images {:.3f} px rms, width {:.3f} px rms\n",
         photographs_, times_.measured, times_.wrong, all_.top_px.rms(), all_.contact_width_px.rms());
     if (options_.jobs == 1) stages_.print();
-    if (hough_.empty()) return;
-    const auto best = std::ranges::max_element(hough_, {}, &Hough::f1);
-    fmt::print(
-        "\nHoughCircles, the best of {} settings ({}): recall {:.1f} %, precision {:.1f} %, {} of {} found, "
-        "{} invented, centre {:.2f} px rms, diameter {:.2f} px rms, {:.1f} ms a photograph\n",
-        hough_.size(), text_of(trials_[static_cast<std::size_t>(best - hough_.begin())]),
-        100.0 * best->recall(), 100.0 * best->precision(), best->found(), best->of(), best->score.invented,
-        centre_rms_px(best->score), best->score.diameter_px.rms(), best->ms / photographs_);
   }
 
   const Options& options_;
   std::vector<sim::Scene> scenes_;
-  std::vector<HoughSettings> trials_;
   std::ofstream csv_;
   Score of_scene_, all_;
   TimeCount times_;
   Stages stages_;
-  std::vector<Hough> hough_;
   int photographs_ = 0;
 };
 

@@ -10,7 +10,7 @@
 #include "common/reduction/reduce.hpp"
 #include "host/assembly/assemble.hpp"
 #include "host/assembly/flash_times.hpp"
-#include "host/photographs/digitize_settings.hpp"
+#include "host/photographs/measure_photograph.hpp"
 #include "sim/random/draws.hpp"
 #include "tests/studies/digitize/in_order.hpp"
 #include "tests/studies/digitize/photographs.hpp"

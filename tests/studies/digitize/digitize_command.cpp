@@ -81,7 +81,7 @@ int run(Request& request) {
 
 void add_studies(CLI::App& command, Request& o) {
   command.add_flag("--robustness", o.robustness,
-                   "How far conditions may go until it breaks, one at a time (--axis, --csv, --plot)");
+                   "How far conditions may go until it breaks, one at a time (--axis, --csv)");
   command.add_flag("--chain", o.chain,
                    "Readouts held against the truth, and what scale, stamps, centres ... contribute");
   command.add_flag("--latency", o.latency,
@@ -138,14 +138,12 @@ void add_how(CLI::App& command, Options& o) {
   command.add_option("--jobs", o.jobs, "Photographs at a time; with more than one no times are shown")
       ->capture_default_str()
       ->check(CLI::Range(1, 256));
-  command.add_flag("!--no-hough", o.hough, "Leave out HoughCircles");
   command.add_option("--save", o.save,
                      "Folder for photographs with images missed or invented, and what was digitized on them");
   command.add_option(
       "--keep", o.keep,
       "Folder for all photographs: those rendered there before are read instead of rendered again");
   command.add_option("--csv", o.csv, "One line an image; with --robustness one line a condition");
-  command.add_option("--plot", o.plot, "Of the robustness, drawn into this SVG, with its numbers beside it (.csv)");
 }
 
 }  // namespace
@@ -168,7 +166,7 @@ void add_digitize_command(CLI::App& app, int& exit_status) {
       "true), the largest; and how many are off by more than 5 stated sd. Times are the least of the "
       "rounds.\n"
       "Examples: strobe-bench digitize --shots 5 --effort standard --save /tmp/amiss\n"
-      "          strobe-bench digitize --robustness --jobs 2 --csv curves.csv --plot curves.svg\n"
+      "          strobe-bench digitize --robustness --jobs 2 --csv curves.csv\n"
       "          strobe-bench digitize --chain itf_pace_medium --shots 100 --jobs 2\n"
       "          strobe-bench digitize --latency --rounds 3");
   add_studies(*command, *options);

@@ -1,17 +1,184 @@
 #include "tests/studies/digitize/independent_render.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "tests/studies/digitize/independent_ball.hpp"
-#include "tests/studies/digitize/independent_camera.hpp"
-
 namespace strobe::studies::digitize {
 
 namespace {
+
+// The ball: a rough sphere in front of a pinhole. Metres, x right and y up from the middle of the view in the plane of
+// flight, z towards the lens.
+
+struct FeltLook {
+  double roughness = 0.4;  ///< Oren and Nayar's sigma [rad]
+  double grain = 0.06;     ///< of the albedo, relative
+  double seam = 0.15;      ///< darker
+  double line_width_m = 0.003, line_contrast = 0.8, line_tilt_rad = 0.0;
+  double fringe_px = 0.5;  ///< width over which fibres fade at the limb
+  double hairs_px = 0.15;  ///< by which the limb wavers
+  bool line = true;
+  std::uint64_t texture = 1;
+};
+
+struct FeltBall {
+  cv::Vec3d centre;
+  double radius_m = 0.0325;
+  double equator_rad = 0.0;
+  double floor_m = -1e9;  ///< y of the surface that cuts it off
+  std::array<double, 2> light{};
+};
+
+double hashed(std::uint64_t seed, int x, int y, int z) {
+  std::uint64_t h = seed;
+  for (const int part : {x, y, z}) {
+    h ^= static_cast<std::uint64_t>(static_cast<std::int64_t>(part)) + 0x9e3779b97f4a7c15ULL + (h << 6) +
+         (h >> 2);
+    h *= 0xff51afd7ed558ccdULL;
+    h ^= h >> 33;
+  }
+  return static_cast<double>(h >> 11) * 0x1p-53;
+}
+
+double smooth(double t) { return t * t * (3.0 - 2.0 * t); }
+
+/// 0 to 1, smooth over a length of 1.
+double value_noise(std::uint64_t seed, const cv::Vec3d& at) {
+  const int x = static_cast<int>(std::floor(at[0])), y = static_cast<int>(std::floor(at[1])),
+            z = static_cast<int>(std::floor(at[2]));
+  const double u = smooth(at[0] - x), v = smooth(at[1] - y), w = smooth(at[2] - z);
+  double sum = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
+    sum += (i ? u : 1.0 - u) * (j ? v : 1.0 - v) * (k ? w : 1.0 - w) * hashed(seed, x + i, y + j, z + k);
+  }
+  return sum;
+}
+
+/// Oren and Nayar (1994), the qualitative model.
+double rough_reflection(double roughness, const cv::Vec3d& n, const cv::Vec3d& in, const cv::Vec3d& out) {
+  const double cos_in = n.dot(in), cos_out = std::max(n.dot(out), 1e-3);
+  if (cos_in <= 0.0) return 0.0;
+  const double s2 = roughness * roughness;
+  const double a = 1.0 - 0.5 * s2 / (s2 + 0.33), b = 0.45 * s2 / (s2 + 0.09);
+  const cv::Vec3d in_flat = in - n * cos_in, out_flat = out - n * cos_out;
+  const double across = in_flat.dot(out_flat) / std::max(cv::norm(in_flat) * cv::norm(out_flat), 1e-9);
+  const double sin_in = std::sqrt(std::max(0.0, 1.0 - cos_in * cos_in));
+  const double sin_out = std::sqrt(std::max(0.0, 1.0 - cos_out * cos_out));
+  // The larger angle's sine, the smaller one's tangent.
+  const double steep = cos_in < cos_out ? sin_in * sin_out / cos_out : sin_out * sin_in / cos_in;
+  return cos_in * (a + b * std::max(0.0, across) * steep);
+}
+
+double albedo(const FeltLook& look, double radius_m, const cv::Vec3d& own) {
+  constexpr double kFibre_m = 0.0009, kClump_m = 0.004;
+  const cv::Vec3d at = own * radius_m;
+  double value = 1.0 + look.grain * (1.8 * (value_noise(look.texture, at * (1.0 / kFibre_m)) - 0.5) +
+                                     1.8 * (value_noise(look.texture + 1, at * (1.0 / kClump_m)) - 0.5));
+  // Two small circles stand for the seam.
+  const double seam = std::min(std::abs(own[0] - 0.55), std::abs(own[2] + 0.35)) * radius_m / 0.0015;
+  value *= 1.0 - look.seam * std::exp(-seam * seam);
+  if (!look.line) return value;
+  const double off_m =
+      radius_m * std::abs(std::cos(look.line_tilt_rad) * own[1] + std::sin(look.line_tilt_rad) * own[2]);
+  constexpr double kInkEdge_m = 0.00025;
+  return value *
+         (1.0 - look.line_contrast / (1.0 + std::exp((off_m - 0.5 * look.line_width_m) / kInkEdge_m)));
+}
+
+/// Light that the felt sends to the lens from where a ray meets the ball, over that of a white sheet that faces a lamp.
+/// `normal`: of length 1, from the ball's centre.
+double felt_light(const FeltLook& look, const FeltBall& ball, const std::array<cv::Vec3d, 2>& lamps,
+                  const cv::Vec3d& normal, const cv::Vec3d& to_lens) {
+  const double c = std::cos(ball.equator_rad), s = std::sin(ball.equator_rad);
+  const cv::Vec3d own(c * normal[0] + s * normal[1], c * normal[1] - s * normal[0], normal[2]);
+  const cv::Vec3d at = ball.centre + normal * ball.radius_m;
+  double light = 0.0;
+  for (std::size_t lamp = 0; lamp < lamps.size(); ++lamp) {
+    if (!(ball.light[lamp] > 0.0)) continue;
+    const cv::Vec3d way = lamps[lamp] - at;
+    const double away2 = way.dot(way), usual2 = lamps[lamp].dot(lamps[lamp]);
+    light += ball.light[lamp] * usual2 / away2 *
+             rough_reflection(look.roughness, normal, way * (1.0 / std::sqrt(away2)), to_lens);
+  }
+  return light * albedo(look, ball.radius_m, own);
+}
+
+/// Of a sum of waves around the limb, px.
+double limb_waver(const FeltLook& look, const FeltBall& ball, double angle_rad) {
+  double sum = 0.0;
+  for (const int waves : {7, 19, 43}) {
+    const double phase = 6.283 * hashed(look.texture, waves, 0, 0);
+    sum += std::sin(waves * (angle_rad - ball.equator_rad) + phase);
+  }
+  return look.hairs_px * sum / std::sqrt(1.5);
+}
+
+// The camera: a lens with glare, a colour sensor with a Bayer mosaic and uneven pixels, and the curve by which its
+// file's numbers follow the light.
+
+struct IndependentCamera {
+  double blur_px = 0.8, glare = 0.03, vignetting = 0.2;
+  double exposure = 1.0;  ///< times light: 1 saturates
+  double noise = 1.0;     ///< over the usual
+  double black = 0.0;     ///< light that a dark sensor shows
+  double gamma = 1.0;
+};
+
+/// A sharp core, and glare over tens of pixels.
+void spread(const IndependentCamera& camera, cv::Mat& light) {
+  cv::Mat wide, small;
+  cv::resize(light, small, {}, 0.125, 0.125, cv::INTER_AREA);
+  cv::GaussianBlur(small, small, {0, 0}, 5.0);
+  cv::resize(small, wide, light.size(), 0, 0, cv::INTER_LINEAR);
+  if (camera.blur_px > 0.0) cv::GaussianBlur(light, light, {0, 0}, camera.blur_px);
+  light = light * (1.0 - camera.glare) + wide * camera.glare;
+}
+
+/// Blue, green, red: yellow felt before grey things, and the sensor's own sensitivity.
+constexpr std::array<double, 3> kFelt{0.45, 1.0, 0.85}, kGrey{0.85, 1.0, 0.8};
+
+cv::Mat mosaic_of(const IndependentCamera& camera, const cv::Mat& felt, const cv::Mat& behind,
+                  std::mt19937_64& random) {
+  constexpr double kFullWell_e = 12000.0, kRead_e = 6.0, kUneven = 0.008;
+  std::normal_distribution<double> normal;
+  cv::Mat mosaic(felt.size(), CV_16UC1);
+  for (int row = 0; row < felt.rows; ++row) {
+    for (int column = 0; column < felt.cols; ++column) {
+      const std::size_t colour = (row & 1) == (column & 1) ? 1 : (row & 1) == 0 ? 2 : 0;  // GRBG
+      const double x = 2.0 * column / felt.cols - 1.0, y = 2.0 * row / felt.rows - 1.0;
+      const double seen = camera.exposure * (1.0 - 0.5 * camera.vignetting * (x * x + y * y)) *
+                          (kFelt[colour] * static_cast<double>(felt.at<float>(row, column)) +
+                           kGrey[colour] * static_cast<double>(behind.at<float>(row, column)));
+      const double electrons = kFullWell_e * std::max(0.0, seen * (1.0 + kUneven * normal(random)));
+      const double read =
+          electrons + camera.noise * std::sqrt(electrons + kRead_e * kRead_e) * normal(random);
+      mosaic.at<std::uint16_t>(row, column) =
+          cv::saturate_cast<std::uint16_t>(65535.0 * (read / kFullWell_e + camera.black));
+    }
+  }
+  return mosaic;
+}
+
+/// CV_16UC3, blue first, of the light of yellow felt and of grey things behind it (CV_32FC1; changed).
+cv::Mat develop(const IndependentCamera& camera, cv::Mat felt, cv::Mat behind, std::mt19937_64& random) {
+  spread(camera, felt);
+  spread(camera, behind);
+  cv::Mat pixels;
+  cv::cvtColor(mosaic_of(camera, felt, behind, random), pixels, cv::COLOR_BayerGB2BGR);
+  if (camera.gamma != 1.0) {
+    cv::Mat light;
+    pixels.convertTo(light, CV_32F, 1.0 / 65535.0);
+    cv::pow(light, camera.gamma, light);
+    light.convertTo(pixels, CV_16U, 65535.0);
+  }
+  return pixels;
+}
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 /// A flash's light: when, and how much of it. Its mean is what the ball's place is true of.

@@ -13,7 +13,7 @@
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/loop/host_loop.hpp"
-#include "host/photographs/open_pipeline.hpp"
+#include "host/photographs/photograph_pipeline.hpp"
 #include "sim/loading/load_scene.hpp"
 #include "tests/studies/digitize/photographs.hpp"
 #include "tests/studies/digitize/shot_message.hpp"

@@ -8,7 +8,7 @@
 #include "common/messages/lcm_conversions.hpp"
 #include "host/assembly/assemble.hpp"
 #include "host/assembly/flash_times.hpp"
-#include "host/photographs/digitize_settings.hpp"
+#include "host/photographs/measure_photograph.hpp"
 #include "host/session/rejection.hpp"
 #include "sim/random/draws.hpp"
 #include "tests/studies/digitize/in_order.hpp"

@@ -7,6 +7,7 @@
 #include "common/units/angles.hpp"
 #include "tests/studies/digitize/in_order.hpp"
 #include "tests/studies/digitize/photographs.hpp"
+#include "tests/studies/digitize/score.hpp"
 #include "tests/studies/digitize/studies.hpp"
 #include "tests/studies/digitize/tables.hpp"
 
@@ -16,9 +17,16 @@ namespace {
 
 using sim::Scene;
 
+/// One condition of an axis and what was measured under it.
+struct RobustnessPoint {
+  std::string axis;
+  std::string label;
+  Score score;
+  TimeCount times;
+};
+
 struct Condition {
   std::string axis;
-  double value = 0.0;
   std::string label;
   std::function<void(Take&)> apply;
 };
@@ -28,7 +36,7 @@ using Setter = std::function<void(Take&, double)>;
 void add(std::vector<Condition>& all, const std::string& axis, const std::vector<double>& values,
          const Setter& set) {
   for (const double value : values)
-    all.push_back({axis, value, fmt::format("{:g}", value), [=](Take& take) { set(take, value); }});
+    all.push_back({axis, fmt::format("{:g}", value), [=](Take& take) { set(take, value); }});
 }
 
 void lose_flash(Take& take, double from_impact) {
@@ -148,34 +156,16 @@ Result<std::vector<Scene>> scenes_of(const Options& options) {
 }
 
 Result<std::vector<Condition>> wanted(const std::vector<std::string>& axes) {
-  for (const std::string& axis : axes)
-    if (std::ranges::none_of(robustness_axes(), [&](const auto& known) { return known.name == axis; }))
-      return fail("--axis " + axis + ": is none");
   std::vector<Condition> all = conditions();
+  for (const std::string& axis : axes)
+    if (std::ranges::none_of(all, [&](const Condition& c) { return c.axis == axis; }))
+      return fail("--axis " + axis + ": is none");
   if (!axes.empty())
     std::erase_if(all, [&](const Condition& c) { return std::ranges::find(axes, c.axis) == axes.end(); });
   return all;
 }
 
 }  // namespace
-
-const std::vector<RobustnessAxis>& robustness_axes() {
-  static const std::vector<RobustnessAxis> axes{
-      {"exposure", "exposure", true},
-      {"line_contrast", "contrast of the line", true},
-      {"line_tilt", "tilt of the line [degrees]", false},
-      {"blur", "blur, sd [px]", false},
-      {"blobs", "foreign bright blobs", false},
-      {"lamp_a", "light of lamp A", false},
-      {"lamp_b", "light of lamp B", false},
-      {"flash_lost", "flash lost, from the impact (0: none)", false},
-      {"second_flash", "light of a second flash 30 us later", false},
-      {"noise", "noise, over the usual", true},
-      {"gamma", "gamma of the file", false},
-      {"jpeg", "quality of JPEG (0: none)", false},
-      {"size", "ball's diameter [px]", true}};
-  return axes;
-}
 
 Result<void> study_robustness(const Options& options) {
   const auto scenes = scenes_of(options);
@@ -199,17 +189,14 @@ Result<void> study_robustness(const Options& options) {
       },
       [&](std::size_t i, const Measured& measured) {
         const Condition& c = (*all)[i / of_point];
-        if (i % of_point == 0) points.push_back({c.axis, c.value, c.label, {}, {}});
+        if (i % of_point == 0) points.push_back({c.axis, c.label, {}, {}});
         points.back().score.add(measured.score);
         points.back().times.add(measured.times);
         if ((i + 1) % of_point == 0) print_score(c.axis + " " + c.label, kShotNameWidth, points.back().score);
       });
   if (!done) return done;
   tell(points);
-  if (!options.csv.empty()) {
-    if (auto written = write_csv(points, options.csv); !written) return written;
-  }
-  return options.plot.empty() ? Result<void>{} : plot_robustness(points, options.plot);
+  return options.csv.empty() ? Result<void>{} : write_csv(points, options.csv);
 }
 
 }  // namespace strobe::studies::digitize

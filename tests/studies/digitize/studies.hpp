@@ -10,7 +10,6 @@
 #include "common/units/time.hpp"
 #include "host/digitize/core/types.hpp"
 #include "sim/scene/scene.hpp"
-#include "tests/studies/digitize/score.hpp"
 
 namespace strobe::studies::digitize {
 
@@ -24,10 +23,9 @@ struct Options {
   int first_shot = 1;
   std::uint64_t seed = 1;
   strobe::digitize::Effort effort = strobe::digitize::Effort::standard;
-  int rounds = 2;            ///< the least of their times counts
-  int jobs = 1;              ///< photographs at a time; with more than one, times are not reported
-  bool independent = false;  ///< photographs by the second renderer
-  bool hough = true;
+  int rounds = 2;                  ///< the least of their times counts
+  int jobs = 1;                    ///< photographs at a time; with more than one, times are not reported
+  bool independent = false;        ///< photographs by the second renderer
   double scale_sd_percent = 0.05;  ///< of the chain's calibrated scale
   double ball_sd_mm = 0.0;         ///< by how much the chain's ball differs from what the rig file says
   std::vector<Duration>
@@ -39,14 +37,13 @@ struct Options {
   std::string save;        ///< folder for what went wrong
   std::string keep;        ///< Take::kept_in
   std::string csv;         ///< one line an image; of the robustness: a condition
-  std::string plot;        ///< FILE.svg or FILE.png
 };
 
 /// The named scenes, or the thesis's conditions.
 Result<std::vector<std::string>> scene_names(const std::vector<std::string>& named);
 Result<std::vector<sim::Scene>> load_scenes(const std::vector<std::string>& names);
 
-/// Accuracy condition by condition, with OpenCV's HoughCircles beside it.
+/// Accuracy condition by condition.
 Result<void> study_accuracy(const Options& options);
 
 /// The whole way from a shot to its readout: digitizer, match of images to flashes, best estimator; and what each
@@ -62,24 +59,5 @@ Result<void> study_latency(const Options& options);
 
 /// How far conditions may go until the digitizer breaks, one at a time, and whether it then says so.
 Result<void> study_robustness(const Options& options);
-
-/// One condition of an axis and what was measured under it.
-struct RobustnessPoint {
-  std::string axis;
-  double value = 0.0;
-  std::string label;
-  Score score;
-  TimeCount times;
-};
-
-/// Names of the axes, and whether drawn logarithmically.
-struct RobustnessAxis {
-  std::string name, what;
-  bool logarithmic = false;
-};
-const std::vector<RobustnessAxis>& robustness_axes();
-
-/// Draws the curves into an SVG. Fails with one line if it cannot be written.
-Result<void> plot_robustness(const std::vector<RobustnessPoint>& points, const std::string& file);
 
 }  // namespace strobe::studies::digitize

@@ -1,0 +1,331 @@
+// The size that the images of one ball agree on, against sizes that are known.
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "host/digitize/outliers/limb_agreement.hpp"
+#include "host/digitize/outliers/selection.hpp"
+#include "tests/host/digitize/painter.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe::digitize;
+
+Outline ball_at(double x, double diameter, double sd = 0.1) {
+  Outline outline;
+  outline.centre = {x, 400.0};
+  outline.diameter = diameter;
+  outline.covariance = cv::Matx33d::eye() * (sd * sd);
+  return outline;
+}
+
+/// Seven balls 300 px apart, the diameter growing by `slope` per px of x.
+std::vector<Outline> row(double slope) {
+  std::vector<Outline> outlines;
+  for (int k = 0; k < 7; ++k) outlines.push_back(ball_at(100.0 + 300.0 * k, 260.0 + slope * 300.0 * k));
+  return outlines;
+}
+
+}  // namespace
+
+TEST_GROUP(BallSize){};
+
+TEST(BallSize, IsTheMedianDiameterWhateverOneOutlierIs) {
+  auto outlines = row(0.0);
+  outlines[2].diameter = 300.0;
+  const SizeModel size = fit_size_model(outlines);
+  DOUBLES_EQUAL(260.0, size.at(100.0), 1e-9);
+  DOUBLES_EQUAL(260.0, size.at(1900.0), 1e-9);
+}
+
+TEST(BallSize, FollowsASteadyChangeAcrossThePhotographDespiteAnOutlier) {
+  auto outlines = row(-0.004);
+  outlines[4].diameter += 20.0;
+  const SizeModel size = fit_size_model(outlines);
+  for (const int k : {0, 3, 6}) DOUBLES_EQUAL(260.0 - 1.2 * k, size.at(100.0 + 300.0 * k), 1e-9);
+}
+
+TEST(BallSize, OfFewBallsHasNoSlope) {
+  const std::vector<Outline> few{ball_at(100.0, 258.0), ball_at(700.0, 260.0), ball_at(1300.0, 262.0),
+                                 ball_at(1900.0, 264.0)};
+  const SizeModel size = fit_size_model(few);
+  DOUBLES_EQUAL(0.0, size.slope, 0.0);
+  DOUBLES_EQUAL(261.0, size.diameter, 1e-9);
+}
+
+TEST(BallSize, HasTheSdOfAMedian) {
+  // Alike: each outline's own sd. A median of n normal errors has sqrt(pi/2) = 1.2533 of the mean's sd.
+  const SizeModel alike = fit_size_model(row(0.0));
+  DOUBLES_EQUAL(0.1 * std::sqrt(M_PI / 2.0) / std::sqrt(7.0), alike.sd, 1e-3 * alike.sd + 2e-4);
+  // Differences beyond that: by the median deviation, 1.4826 times which is a normal distribution's sd.
+  auto apart = row(0.0);
+  const std::array off{-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0};
+  const std::array shuffle{3, 0, 6, 2, 5, 1, 4};  // no trend along x
+  for (std::size_t k = 0; k < off.size(); ++k) apart[static_cast<std::size_t>(shuffle[k])].diameter += off[k];
+  DOUBLES_EQUAL(1.4826 * 2.0 * std::sqrt(M_PI / 2.0) / std::sqrt(7.0), fit_size_model(apart).sd, 0.01);
+}
+
+TEST(BallSize, ThatDiffersFromBallToBallHasASpreadBesideTheOutlinesOwnSd) {
+  DOUBLES_EQUAL(0.0, fit_size_model(row(0.0)).spread, 0.0);
+  // Where the path comes nearer and goes away again: no slope, and a median deviation of 8 px.
+  auto bent = row(0.0);
+  const std::array more{-12.0, -8.0, 0.0, 12.0, 8.0, 0.0, -8.0};
+  for (std::size_t k = 0; k < more.size(); ++k) bent[k].diameter += more[k];
+  const SizeModel size = fit_size_model(bent);
+  DOUBLES_EQUAL(1.4826 * 8.0, size.spread, 0.01);
+  for (const Outline& outline : bent) CHECK_FALSE(has_wrong_size(outline, size));
+}
+
+TEST(BallSize, IsWrongBeyondThreePerCentOrFiveSd) {
+  SizeModel size{260.0, 0.0, 0.3};
+  CHECK_FALSE(has_wrong_size(ball_at(0.0, 260.0 * 1.029), size));
+  CHECK_TRUE(has_wrong_size(ball_at(0.0, 260.0 * 1.031), size));
+  CHECK_TRUE(has_wrong_size(ball_at(0.0, 260.0 * 0.969), size));
+  // sd 4 of the outline and 3 of the size: together 5, so that 25 px are allowed.
+  size.sd = 3.0;
+  CHECK_FALSE(has_wrong_size(ball_at(0.0, 260.0 + 24.5, 4.0), size));
+  CHECK_TRUE(has_wrong_size(ball_at(0.0, 260.0 + 25.5, 4.0), size));
+  CHECK_TRUE(has_wrong_size(ball_at(0.0, 260.0 - 25.5, 4.0), size));
+}
+
+namespace {
+
+struct Row {
+  std::vector<PathPoint> points;
+  std::vector<double> quality;
+  Path path;
+
+  void add(double x, double m) {
+    if (path.legs.empty()) path.legs.emplace_back();
+    path.legs[0].push_back(static_cast<int>(points.size()));
+    points.push_back({{x, 2000.0 - x}, 0.1, 1.0});
+    quality.push_back(m);
+  }
+};
+
+/// Even steps of 100 px, and one image more.
+Row row(double more_at, double quality) {
+  Row r;
+  for (int k = 0; k < 8; ++k) {
+    r.add(100.0 * k, 0.95);
+    if (more_at > 100.0 * k && more_at < 100.0 * (k + 1)) r.add(more_at, quality);
+  }
+  return r;
+}
+
+std::vector<TooClose> too_close(const Row& r, std::span<const double> times_s = {}) {
+  return find_too_close(r.path, r.points, r.quality, times_s);
+}
+
+}  // namespace
+
+TEST_GROUP(Crowding){};
+
+TEST(Crowding, FindsTheOneThatIsLessOfABall) {
+  const auto found = too_close(row(330.0, 0.6));
+  LONGS_EQUAL(1, found.size());
+  LONGS_EQUAL(4, found[0].index);
+  LONGS_EQUAL(3, found[0].neighbour);
+  DOUBLES_EQUAL(30.0 * std::sqrt(2.0), found[0].distance_px, 1e-9);
+}
+
+TEST(Crowding, LeavesUnequalStepsOfAsGoodImages) { LONGS_EQUAL(0, too_close(row(330.0, 0.93)).size()); }
+
+TEST(Crowding, LeavesAnImageThatAnotherHidesByHalf) { LONGS_EQUAL(0, too_close(row(330.0, 0.68)).size()); }
+
+TEST(Crowding, IsCertainWhereNoTrainHasSuchAnInterval) {
+  // The second outline of one ball shares most of its limb.
+  LONGS_EQUAL(1, too_close(row(308.0, 0.93)).size());
+  Row curved = row(308.0, 0.93);
+  curved.path.curved = true;
+  LONGS_EQUAL(0, too_close(curved).size());
+}
+
+TEST(Crowding, IsCertainWhereTheFlashesAreEven) {
+  const std::vector<double> even{0.0, 3e-3, 6e-3, 9e-3, 12e-3, 15e-3, 18e-3, 21e-3, 24e-3, 27e-3};
+  LONGS_EQUAL(1, too_close(row(330.0, 0.93), even).size());
+  // Two flashes as near as the two images.
+  const std::vector<double> uneven{0.0, 3e-3, 6e-3, 9e-3, 9.9e-3, 12e-3, 15e-3, 18e-3, 21e-3, 24e-3};
+  LONGS_EQUAL(0, too_close(row(330.0, 0.93), uneven).size());
+}
+
+TEST(Crowding, OfAShortLegIsNotTold) {
+  Row r;
+  for (const double x : {0.0, 100.0, 110.0}) r.add(x, x == 110.0 ? 0.6 : 0.95);
+  LONGS_EQUAL(0, too_close(r).size());
+}
+
+// Discs by ambient light, told from the images that the flashes made.
+namespace {
+
+constexpr double kBall_px = 100.0;
+
+/// Its limb is lit from one side, `light` at the most.
+LitDisc disc_at(double x, double light, bool certain = true) {
+  LitDisc disc{{x, 0.3 * x}, kBall_px, {}, certain};
+  for (std::size_t k = 0; k < disc.limb.size(); ++k)
+    disc.limb[k] = static_cast<float>(light * (k < disc.limb.size() / 2 ? 1.0 : 0.4));
+  return disc;
+}
+
+std::vector<int> ghosts_of(const std::vector<LitDisc>& discs) {
+  std::vector<int> indices;
+  for (const Ghost& ghost : find_ghosts(discs)) indices.push_back(ghost.index);
+  return indices;
+}
+
+}  // namespace
+
+TEST_GROUP(Ghosts){};
+
+TEST(Ghosts, AreTheDimDiscsOfATrailBetweenBalls) {
+  const std::vector<LitDisc> discs{disc_at(0, 0.3), disc_at(30, 0.1), disc_at(60, 0.09), disc_at(90, 0.11),
+                                   disc_at(200, 0.32)};
+  const auto ghosts = find_ghosts(discs);
+  LONGS_EQUAL(3, ghosts.size());
+  LONGS_EQUAL(3, ghosts[0].index);  // the brightest first
+  DOUBLES_EQUAL(0.11 / 0.3, ghosts[0].share, 1e-6);
+}
+
+TEST(Ghosts, AreNotTheBallsThatLeaveTheLight) {
+  std::vector<LitDisc> discs;
+  for (int k = 0; k < 8; ++k) discs.push_back(disc_at(120.0 * k, 0.4 * std::pow(0.75, k)));
+  CHECK_TRUE(ghosts_of(discs).empty());
+}
+
+TEST(Ghosts, AreNotTheBallsThatNoiseAndAnotherHide) {
+  CHECK_TRUE(ghosts_of({disc_at(0, 0.3), disc_at(60, 0.13)}).empty());
+}
+
+TEST(Ghosts, OnABallMayBeBrighterThanOnesApart) {
+  // Two flashes light a ball at one place alike within 30 %.
+  CHECK_TRUE(ghosts_of({disc_at(0, 0.3), disc_at(20, 0.18)}) == std::vector<int>{1});
+  CHECK_TRUE(ghosts_of({disc_at(0, 0.3), disc_at(20, 0.24)}).empty());
+  CHECK_TRUE(ghosts_of({disc_at(0, 0.3), disc_at(120, 0.18)}).empty());
+}
+
+TEST(Ghosts, AreComparedInTheDirectionsThatBothShow) {
+  // Of the ball only the bright half can be seen, of the disc only the dim one and a little of the bright one.
+  LitDisc ball = disc_at(0, 0.3), disc = disc_at(60, 0.3);
+  const float none = std::numeric_limits<float>::quiet_NaN();
+  for (std::size_t k = 36; k < 72; ++k) ball.limb[k] = none;
+  for (std::size_t k = 0; k < 30; ++k) disc.limb[k] = none;
+  CHECK_TRUE(ghosts_of({ball, disc}).empty());
+  // Without a direction in common nothing is said.
+  for (std::size_t k = 30; k < 36; ++k) disc.limb[k] = none;
+  CHECK_TRUE(ghosts_of({ball, disc}).empty());
+}
+
+TEST(Ghosts, AreNotToldBySomethingBrightThatIsNoBall) {
+  CHECK_TRUE(ghosts_of({disc_at(0, 0.9, false), disc_at(90, 0.3)}).empty());
+  CHECK_TRUE(ghosts_of({}).empty());
+}
+
+// Outlines distinguished from arcs that only look like one, by the light across them.
+namespace {
+
+namespace painter = strobe::testing;
+
+constexpr double kLimb_px = 80.0;
+constexpr int kHeight = 300;
+
+/// Images in a row that overlap, 3/4 of a diameter apart.
+painter::Painting row_of_balls(std::uint64_t seed, int count, double light) {
+  std::mt19937_64 random(seed);
+  painter::Painting painting;
+  painting.width = 560;
+  painting.height = kHeight;
+  painting.bits = 16;
+  painting.seed = seed;
+  painter::PaintedBall look = painter::random_ball(random, {}, kLimb_px);
+  look.light = light;
+  for (int k = 0; k < count; ++k) {
+    look = painter::next_image(look, {80.0 + 60.0 * k, 200.0 - 12.0 * k}, 0.2);
+    painting.balls.push_back(look);
+  }
+  return painting;
+}
+
+Outline outline_at(cv::Point2d image_px) {
+  Outline outline;
+  outline.centre = {image_px.x, kHeight - 1 - image_px.y};
+  outline.diameter = kLimb_px;
+  outline.blur_px = 1.0;
+  return outline;
+}
+
+std::vector<LimbAgreement> looked_at(const painter::Painting& painting, const std::vector<Outline>& outlines,
+                                     const std::optional<SurfaceLine>& surface = std::nullopt) {
+  return compare_limbs(painter::paint(painting), PlaneMap::uncalibrated(kHeight), outlines, surface);
+}
+
+}  // namespace
+
+TEST_GROUP(LimbAgreement){};
+
+TEST(LimbAgreement, KnowsABallsLimbWhereFalseOutlinesOutnumberTheBalls) {
+  const auto painting = row_of_balls(5, 4, 0.12);
+  std::vector<Outline> outlines;
+  for (const auto& ball : painting.balls) {
+    outlines.push_back(outline_at(ball.centre));
+    outlines.back().visible_fraction = 0.8;
+  }
+  // On the even background above them.
+  for (int k = 0; k < 10; ++k) {
+    outlines.push_back(outline_at({100.0 + 36.0 * k, 60.0}));
+    outlines.back().visible_fraction = 0.25;
+  }
+  const auto limbs = looked_at(painting, outlines);
+  for (std::size_t i = 0; i < painting.balls.size(); ++i) CHECK_TRUE(limbs[i].is_certain_ball());
+  for (std::size_t i = painting.balls.size(); i < limbs.size(); ++i)
+    CHECK_TRUE(limbs[i].is_certain_non_ball());
+}
+
+TEST(LimbAgreement, TellsBallsFromACircleHalfWayBetweenTwo) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const auto painting = row_of_balls(seed, 6, 0.12);
+    std::vector<Outline> outlines;
+    for (const auto& ball : painting.balls) outlines.push_back(outline_at(ball.centre));
+    outlines.push_back(outline_at(0.5 * (painting.balls[2].centre + painting.balls[3].centre)));
+    const auto limbs = looked_at(painting, outlines);
+    for (std::size_t i = 0; i + 1 < outlines.size(); ++i) CHECK_TRUE(limbs[i].agreement > 0.6);
+    CHECK_TRUE(limbs.back().agreement < 0.5);
+  }
+}
+
+TEST(LimbAgreement, MindsNeitherALampThatFailsNorAFlashThatIsWeak) {
+  auto painting = row_of_balls(5, 6, 0.2);
+  for (auto& ball : painting.balls) ball.lamps.resize(1);
+  painting.balls[3].light *= 0.5;
+  std::vector<Outline> outlines;
+  for (const auto& ball : painting.balls) outlines.push_back(outline_at(ball.centre));
+  for (const LimbAgreement& limb : looked_at(painting, outlines)) CHECK_TRUE(limb.agreement > 0.6);
+}
+
+TEST(LimbAgreement, SaysHowLittleCanBeTold) {
+  const auto painting = row_of_balls(3, 5, 2.5);  // overlaps and middles saturated
+  std::vector<Outline> outlines;
+  for (const auto& ball : painting.balls) outlines.push_back(outline_at(ball.centre));
+  outlines.push_back(outline_at({5.0, 290.0}));  // a quarter is on the photograph
+  const auto limbs = looked_at(painting, outlines);
+  CHECK_TRUE(limbs[2].observed < 0.9);
+  CHECK_TRUE(limbs.back().observed < 0.45);
+}
+
+TEST(LimbAgreement, LeavesOutWhatLiesBelowTheSurface) {
+  const auto painting = row_of_balls(7, 4, 0.2);
+  std::vector<Outline> outlines;
+  for (const auto& ball : painting.balls) outlines.push_back(outline_at(ball.centre));
+  SurfaceLine surface;  // through the first ball's middle
+  surface.points = {{0.0, outlines[0].centre.y}, {560.0, outlines[0].centre.y}};
+  const auto limbs = looked_at(painting, outlines, surface);
+  // A half, but for the directions on the line itself.
+  DOUBLES_EQUAL(0.5, limbs[0].observed, 0.06);
+  CHECK_TRUE(limbs[3].observed > 0.75);  // 36 px higher: little of it lies below
+}
+
+TEST(LimbAgreement, OfNothingIsNothing) { LONGS_EQUAL(0, looked_at(row_of_balls(1, 0, 0.2), {}).size()); }
