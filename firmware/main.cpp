@@ -8,8 +8,7 @@
 #include <optional>
 
 #include "common/authentication/key_file.hpp"
-#include "common/command_line/complaint.hpp"
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/config/default_rig.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/channels.hpp"
@@ -65,7 +64,7 @@ strobe::Result<void> choose_rig_file(Options& options, bool must_be_named) {
   if (must_be_named) return strobe::fail("--config is required: the rig file of the rig that is meant");
   const auto found = strobe::config::rig_file_or_example(options.config, "--config");
   if (!found) return tl::unexpected(found.error());
-  std::fprintf(stderr, "strobed: %s\n", strobe::config::words_on_example(options.config, "--config").c_str());
+  std::fprintf(stderr, "strobed: %s\n", strobe::config::example_remark(options.config, "--config").c_str());
   options.config = *found;
   return {};
 }

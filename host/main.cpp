@@ -10,8 +10,7 @@
 #include <new>
 #include <string>
 
-#include "common/command_line/complaint.hpp"
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "host/commands/command.hpp"
 #include "host/web/http/worker.hpp"
 

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/command_line/complaint.hpp"
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/messages/channels.hpp"
 #include "common/wire/lcm_url.hpp"
 #include "sim/commands/commands.hpp"

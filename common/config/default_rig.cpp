@@ -11,7 +11,7 @@ Result<std::string> rig_file_or_example(const std::string& given, const std::str
   return (*share / "rig.toml").string();
 }
 
-std::string words_on_example(const std::string& given, const std::string& option) {
+std::string example_remark(const std::string& given, const std::string& option) {
   const auto file = rig_file_or_example(given, option);
   return given.empty() && file ? "no " + option + " given: taking the example " + *file : "";
 }

@@ -14,6 +14,6 @@ namespace strobe::config {
 Result<std::string> rig_file_or_example(const std::string& given, const std::string& option);
 
 /// "no --rig given: taking the example FILE", for who starts the program without one; empty if a file was given.
-std::string words_on_example(const std::string& given, const std::string& option);
+std::string example_remark(const std::string& given, const std::string& option);
 
 }  // namespace strobe::config

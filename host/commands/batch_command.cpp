@@ -107,8 +107,8 @@ class ProgressTeller {
   void operator()(const FinishedRow& row, const BatchProgress& progress) {
     if (json_ && !row.earlier) std::puts(finished_row_json(row).c_str());
     const HostTime now = steady_now();
-    if (now - told_ < std::chrono::seconds{5}) return;
-    told_ = now;
+    if (now - reported_ < std::chrono::seconds{5}) return;
+    reported_ = now;
     const double elapsed_s = to_seconds(now - start_);
     const double rate = static_cast<double>(progress.measured) / elapsed_s;
     const auto left = std::max<std::int64_t>(0, photographs_ - progress.rows);
@@ -120,7 +120,7 @@ class ProgressTeller {
   std::int64_t photographs_;
   bool json_;
   HostTime start_ = steady_now();
-  HostTime told_ = start_;
+  HostTime reported_ = start_;
 };
 
 std::atomic<BatchRun*> running = nullptr;

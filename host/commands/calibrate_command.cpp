@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/or_null.hpp"
 #include "common/messages/parsed_json.hpp"

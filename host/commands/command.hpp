@@ -6,6 +6,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -35,6 +36,13 @@ void add_commission_command(CLI::App& app, int& exit_status);
 void add_batch_command(CLI::App& app, int& exit_status);
 void add_export_command(CLI::App& app, int& exit_status);
 void add_key_command(CLI::App& app, int& exit_status);
+
+/// Who runs this program, for others who use the same rig and for the session's record: "login@machine", at most 64 bytes,
+/// without blanks and control characters. Reads the system's tables; not thread-safe.
+std::string operator_name();
+
+/// As the program was started; none where the system does not tell.
+std::vector<std::string> typed_command_line();
 
 /// Prints "strobe: WHAT" as one line on stderr (line breaks within become spaces) and returns kBadInput.
 int bad_input(const std::string& what);

@@ -5,28 +5,21 @@
 #include <algorithm>
 #include <memory>
 
-#include "common/authentication/key_file.hpp"
-#include "common/command_line/help.hpp"
-#include "common/wire/lcm_url.hpp"
+#include "common/command_line/command_line.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/commission_run.hpp"
-#include "host/commands/photograph_options.hpp"
-#include "host/commands/terminal.hpp"
-#include "host/commission/all_steps.hpp"
 #include "host/commission/record/record.hpp"
+#include "host/commission/steps.hpp"
 #include "host/session/session_folder.hpp"
 
 namespace strobe::host {
 namespace {
 
 struct CommissionOptions {
-  std::string rig_path, session, url, key_file, from;
+  CommissionRequest request;  ///< what is taken as it is given
   std::vector<std::string> only, skip;
-  PhotographOptions photographs;
-  WebOptions web;
-  double wait_s = 60.0;
-  bool yes = false, json = false, list = false;
+  bool list = false;
 };
 
 Result<void> check_step(const char* option, const std::string& id) {
@@ -36,18 +29,19 @@ Result<void> check_step(const char* option, const std::string& id) {
 }
 
 Result<CommissionRequest> request_of(const CommissionOptions& options) {
-  auto rig = load_rig(options.rig_path);
+  CommissionRequest request = options.request;
+  auto rig = load_rig(request.paths.rig_path);
   if (!rig) return tl::unexpected(rig.error());
-  const auto key = authentication::find_key({options.key_file, rig->key_file.value_or("")});
+  request.rig = std::move(*rig);
+  const auto key = lab_key(request.paths, request.rig);
   if (!key) return tl::unexpected(key.error());
-  CommissionRequest request(key->key);
+  request.key = *key;
   for (const std::string& id : options.only) {
     if (auto known = check_step("--only", id); !known) return tl::unexpected(known.error());
     request.only.insert(id);
   }
-  if (!options.from.empty())
-    if (auto known = check_step("--from", options.from); !known) return tl::unexpected(known.error());
-  request.from = options.from;
+  if (!request.from.empty())
+    if (auto known = check_step("--from", request.from); !known) return tl::unexpected(known.error());
   for (const std::string& text : options.skip) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals + 1 == text.size())
@@ -56,18 +50,9 @@ Result<CommissionRequest> request_of(const CommissionOptions& options) {
       return tl::unexpected(known.error());
     request.skip[text.substr(0, equals)] = text.substr(equals + 1);
   }
-  request.rig_path = options.rig_path;
-  request.record_path = commission::record_path(options.rig_path, rig->commission).string();
-  request.url = lcm_url(options.url, *rig);
-  request.session =
-      options.session.empty() ? "commission-" + utc_for_file(MachineClock().read().wall) : options.session;
-  request.rig = std::move(*rig);
-  request.photographs = options.photographs;
-  request.key_file = options.key_file;
-  request.web = options.web;
-  request.wait_s = options.wait_s;
-  request.yes = options.yes;
-  request.json = options.json;
+  request.record_path = commission::record_path(request.paths.rig_path, request.rig.commission).string();
+  request.paths.url = lcm_url(request.paths.url, request.rig);
+  if (request.session.empty()) request.session = "commission-" + utc_for_file(MachineClock().read().wall);
   return request;
 }
 
@@ -95,28 +80,27 @@ int run(const CommissionOptions& options) {
 }
 
 void add_options(CLI::App& command, CommissionOptions& options) {
+  CommissionRequest& request = options.request;
   command
-      .add_option("--rig", options.rig_path, "rig file; the record is kept beside it: RIG.commission.jsonl")
+      .add_option("--rig", request.paths.rig_path,
+                  "rig file; the record is kept beside it: RIG.commission.jsonl")
       ->required();
-  command.add_option("--session", options.session,
+  command.add_option("--session", request.session,
                      "session folder of the shots (default: commission-<UTC> in the current one)");
   command.add_flag("--list", options.list, "only show the steps and how they stand");
   command.add_option("--only", options.only, "do this step, any number of times; also if it has passed")
       ->take_all();
-  command.add_option("--from", options.from, "do this step and all after it, also if they have passed");
+  command.add_option("--from", request.from, "do this step and all after it, also if they have passed");
   command.add_option("--skip", options.skip, "leave a step out: STEP=REASON, any number of times")
       ->take_all();
-  command.add_option("--wait", options.wait_s, "seconds for each thing that you are to do (default 60)")
+  command.add_option("--wait", request.wait_s, "seconds for each thing that you are to do (default 60)")
       ->check(CLI::Range(0.1, 1e6));
-  command.add_flag("--yes", options.yes,
+  command.add_flag("--yes", request.yes,
                    "for scripts: every question is answered with yes; OUTPUTS MOVE UNASKED");
-  command.add_flag("--json", options.json, "one JSON object a step on standard output, nothing else there");
-  add_web_options(command, options.web);
-  add_photograph_options(command, options.photographs);
-  command.add_option("--lcm-url", options.url, "LCM URL (default: the rig file's, else this machine only)")
-      ->check(wire::lcm_url_problem);
-  command.add_option("--key-file", options.key_file,
-                     "the lab's key (default: the rig file's, $STROBE_KEY_FILE, ~/.config/strobe/lab.key)");
+  command.add_flag("--json", request.json, "one JSON object a step on standard output, nothing else there");
+  add_web_options(command, request.web);
+  add_photograph_options(command, request.photographs);
+  add_link_options(command, request.paths);
 }
 
 }  // namespace
@@ -130,9 +114,8 @@ void add_commission_command(CLI::App& app, int& exit_status) {
   command->footer(
       "Each step says what will move before it moves, waits for your yes, and passes or fails with a number. "
       "Ctrl-C disarms and keeps what is done; run again, it goes on where it stopped. The page of --web "
-      "shows it all, and takes confirmations of what moves nothing. A step is done again "
-      "when "
-      "its part of the rig file has changed.\n"
+      "shows it all, and takes confirmations of what moves nothing. A step is done again when its part of "
+      "the rig file has changed.\n"
       "Example: strobe commission --rig rig.toml --session commissioning\n"
       "         strobe commission --rig rig.toml --only lamp_a --yes --json\n"
       "Exit status: 0 all passed, 1 some did not, 2 bad usage or input.");

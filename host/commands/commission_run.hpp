@@ -1,12 +1,15 @@
-// Commissions a rig at a terminal: from LCM to the console, the record and the session folder. Single-threaded; blocks until
-// all steps are over or it is interrupted.
+// Commissions a rig at a terminal: from LCM to the console, the page, the record and the session folder; and what a session
+// keeps of a rig's record. Reads and writes files; single-threaded.
 #pragma once
 
+#include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 
-#include "common/authentication/key.hpp"
+#include "common/result.hpp"
+#include "host/commands/shared_options.hpp"
 #include "host/commands/web_page.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/photographs/photograph_pipeline.hpp"
@@ -14,12 +17,10 @@
 namespace strobe::host {
 
 struct CommissionRequest {
-  explicit CommissionRequest(const authentication::Key& lab_key) : key(lab_key) {}
-
-  authentication::Key key;
+  RigOptions paths;
   RigFile rig;
-  std::string rig_path, record_path, url, session;
-  std::string key_file;  ///< as of --key-file
+  std::optional<authentication::Key> key;  ///< the lab's; always there for run_commission()
+  std::string record_path, session;
   PhotographOptions photographs;
   WebOptions web;
   std::set<std::string> only;
@@ -30,7 +31,13 @@ struct CommissionRequest {
   bool json = false;
 };
 
-/// Returns the exit status.
+/// Blocks until all steps are over or it is interrupted. Returns the exit status.
 int run_commission(const CommissionRequest& request);
+
+/// Copies the rig file's record, if there is one, into the session's folder. rig_path: empty for the shipped example, which is
+/// nobody's rig. Returns a sentence for the operator if the rig is not commissioned, or not well; else empty. Fails with the
+/// file's name.
+Result<std::string> keep_commission_record(const std::filesystem::path& rig_path, const RigFile& rig,
+                                           const std::filesystem::path& session, WallTime now);
 
 }  // namespace strobe::host

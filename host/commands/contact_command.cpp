@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/config/files.hpp"
 #include "common/contact/condition_inputs.hpp"
 #include "common/data/thesis_data.hpp"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/config/files.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"

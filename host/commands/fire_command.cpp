@@ -2,24 +2,23 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <system_error>
 
-#include "common/data/thesis_data.hpp"
 #include "common/authentication/key_file.hpp"
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
+#include "common/data/thesis_data.hpp"
 #include "common/config/default_rig.hpp"
 #include "common/config/files.hpp"
-#include "common/wire/lcm_url.hpp"
+#include "common/messages/record.hpp"
 #include "host/assembly/coded_spacing.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
-#include "host/commands/fire_options.hpp"
 #include "host/commands/fire_run.hpp"
-#include "host/commands/operator_name.hpp"
-#include "host/commands/photograph_options.hpp"
+#include "host/config/notes.hpp"
 #include "host/messages/command_factory.hpp"
 #include "host/session/former_runs.hpp"
 #include "host/session/run_lock.hpp"
@@ -28,13 +27,79 @@
 namespace strobe::host {
 namespace {
 
+namespace fs = std::filesystem;
+
 /// What strobed would refuse, once armed.
 Result<void> check_plan(const FireOptions& options, const FireRequest& request) {
   const auto problem = plan_problem(request.series.plan, request.rig.limits);
   if (!problem) return {};
-  const std::string rig = options.rig_path.empty() ? "the example rig file" : options.rig_path;
+  const std::string rig = options.paths.rig_path.empty() ? "the example rig file" : options.paths.rig_path;
   const std::string where = options.plan_path.empty() ? rig + ": plan." : options.plan_path + ": ";
   return fail(fmt::format("{}{}: {} (by the limits in {})", where, problem->field, problem->what, rig));
+}
+
+/// --spin, --angle and --note. Fails, naming the option.
+Result<reduction::Record> notes_of(const FireOptions& options) {
+  reduction::Record notes;
+  if (!options.spin.empty()) notes["spin"] = options.spin;
+  if (options.angle_deg) notes["angle_deg"] = fmt::format("{}", *options.angle_deg);
+  for (const std::string& note : options.notes) {
+    if (auto added = add_note(notes, note); !added) return fail("--note: " + added.error().message);
+  }
+  if (notes.size() > messages::kMaxNotes)
+    return fail(fmt::format("--note: {} notes, labels included, are more than {}", notes.size(),
+                            messages::kMaxNotes));
+  return notes;
+}
+
+/// The label's own options, so that the thesis's series is found by them.
+void set_labels(const RunRecord& last, FireOptions& options) {
+  options.spin.clear();
+  options.angle_deg.reset();
+  options.notes.clear();
+  for (const auto& [key, value] : last.notes) {
+    double angle_deg = 0.0;
+    if (key == "spin" && (value == "zero" || value == "top" || value == "back")) {
+      options.spin = value;
+    } else if (key == "angle_deg" &&
+               std::from_chars(value.data(), value.data() + value.size(), angle_deg).ptr ==
+                   value.data() + value.size()) {
+      options.angle_deg = angle_deg;
+    } else {
+      options.notes.push_back(key + "=" + value);
+    }
+  }
+}
+
+/// The options with which the session's last run is gone on with: what it was asked for, and from the given ones how. Reads
+/// the session's folder. Fails where there is no such run.
+Result<FireOptions> resumed(const FireOptions& given) {
+  if (given.session.empty()) return fail("--resume: which session? Name its folder with --session");
+  const fs::path folder = given.session;
+  const auto read = read_runs(folder / "runs.jsonl");
+  if (!read) return tl::unexpected(read.error());
+  const std::vector<RunRecord>& runs = read->runs;
+  if (runs.empty()) {
+    return fail(
+        fmt::format("--resume: {} tells of no run to go on with; --until N fires until a session has N shots",
+                    (folder / "runs.jsonl").string()));
+  }
+  const auto found = std::find_if(runs.rbegin(), runs.rend(), [](const RunRecord& run) { return !run.dry; });
+  if (found == runs.rend())
+    return fail("--resume: the session's runs were dry: there is nothing to go on with");
+  const RunRecord& last = *found;
+  FireOptions options = given;
+  options.shots.reset();
+  options.until = last.session_shots;
+  options.plan_path = (folder / last.plan_file).string();
+  options.spacing = last.spacing;
+  if (!options.retries) options.retries = last.retries;
+  if (options.paths.rig_path.empty()) options.paths.rig_path = last.rig_file;
+  if (options.photographs.folder.empty()) options.photographs.folder = last.photographs;
+  if (options.photographs.effort == PhotographOptions{}.effort && !last.effort.empty())
+    options.photographs.effort = last.effort;
+  set_labels(last, options);
+  return options;
 }
 
 /// The plan to be fired, and the text of which the session keeps a copy.
@@ -65,7 +130,7 @@ Result<void> set_plan(const FireOptions& options, FireRequest& request) {
 
 std::string absolute(const std::string& path) {
   std::error_code error;
-  return path.empty() ? "" : std::filesystem::absolute(path, error).string();
+  return path.empty() ? "" : fs::absolute(path, error).string();
 }
 
 /// What the session keeps of it.
@@ -79,11 +144,11 @@ RunRecord record_of(const FireOptions& options, const FireRequest& request) {
   run.dry = options.dry;
   run.notes = request.series.notes;
   if (!options.plan_path.empty()) run.spacing = options.spacing;
-  run.rig_file = absolute(options.rig_path);
+  run.rig_file = absolute(options.paths.rig_path);
   run.photographs = absolute(options.photographs.folder);
   run.effort = options.photographs.effort;
   run.key_fingerprint = request.key.fingerprint();
-  run.command = options.command;
+  run.command = typed_command_line();
   return run;
 }
 
@@ -92,7 +157,7 @@ Result<void> set_shots(const FireOptions& options, FireRequest& request) {
   ShotSeriesSettings& series = request.series;
   series.whole_session = options.until.has_value();
   if (series.whole_session) {
-    const auto rows = read_result_rows(request.session);
+    const auto rows = read_result_rows(request.options.session);
     if (!rows) return tl::unexpected(rows.error());
     for (const auto& [key, counts] : *rows) series.counted += counts ? 1 : 0;
   }
@@ -102,13 +167,13 @@ Result<void> set_shots(const FireOptions& options, FireRequest& request) {
 }
 
 Result<FireRequest> request_of(const FireOptions& options) {
-  auto rig = load_rig(options.rig_path);
+  auto rig = load_rig(options.paths.rig_path);
   if (!rig) return tl::unexpected(rig.error());
-  const auto key = authentication::find_key({options.key_file, rig->key_file.value_or("")});
+  const auto key = lab_key(options.paths, *rig);
   if (!key) return tl::unexpected(key.error());
-  FireRequest request(key->key);
+  FireRequest request(options, *key);
   request.rig = std::move(*rig);
-  request.rig_remark = config::words_on_example(options.rig_path, "--rig");
+  request.rig_remark = config::example_remark(options.paths.rig_path, "--rig");
   if (auto set = set_plan(options, request); !set) return tl::unexpected(set.error());
   auto notes = notes_of(options);
   if (!notes) return tl::unexpected(notes.error());
@@ -120,21 +185,17 @@ Result<FireRequest> request_of(const FireOptions& options) {
   request.series.blocked_timeout_s = options.wait_s;
   request.series.photograph_timeout_s = request.rig.analysis.photograph_timeout_s;
   request.series.clear_fault = options.clear_fault;
-  request.url = lcm_url(options.url, request.rig);
-  request.session =
-      options.session.empty() ? "session-" + utc_for_file(MachineClock().read().wall) : options.session;
+  request.options.paths.url = lcm_url(options.paths.url, request.rig);
+  std::string& session = request.options.session;
+  if (session.empty()) session = "session-" + utc_for_file(MachineClock().read().wall);
   // From here on nobody else writes there.
-  auto lock = RunLock::of_session(request.session, operator_name(), MachineClock().read().wall);
+  auto lock = RunLock::of_session(session, operator_name(), MachineClock().read().wall);
   if (!lock) return tl::unexpected(lock.error());
   request.lock.emplace(std::move(*lock));
   if (auto set = set_shots(options, request); !set) return tl::unexpected(set.error());
-  request.photographs = options.photographs;
   request.run = record_of(options, request);
   if (options.angle_deg) request.condition = thesis::shipped_condition(options.spin, *options.angle_deg);
   request.style = Terminal::style(options.json, options.plain);
-  request.all = options.all;
-  request.web = options.web;
-  request.key_file = options.key_file;
   return request;
 }
 
@@ -163,13 +224,15 @@ void add_fire_command(CLI::App& app, int& exit_status) {
                    "fire until the session holds so many shots that count, those of earlier runs included")
       ->check(CLI::Range(1, 100000))
       ->excludes(shots);
-  command->add_flag("--resume", options->resume,
-                    "go on with what the session's last run was asked for: shots, plan, labels, notes");
+  CLI::Option* const resume =
+      command->add_flag("--resume", options->resume,
+                        "go on with what the session's last run was asked for: shots, plan, labels, notes");
   command
       ->add_option("--retries", options->retries,
                    "shots that may be fired again, in all (default: as many as --shots)")
       ->check(CLI::Range(0, 100000));
-  command->add_option("--rig", options->rig_path, "rig file (default: the example that comes with strobe)");
+  command->add_option("--rig", options->paths.rig_path,
+                      "rig file (default: the example that comes with strobe)");
   command->add_option("--session", options->session,
                       "session folder (default: session-<UTC> in the current one)");
   command->add_option("--plan", options->plan_path, "shot plan, TOML (default: the rig file's [plan])");
@@ -190,15 +253,15 @@ void add_fire_command(CLI::App& app, int& exit_status) {
   command->add_option("--wait", options->wait_s, "seconds to wait while the rig cannot be armed (default 60)")
       ->check(CLI::Range(0.1, 1e6));
   add_photograph_options(*command, options->photographs);
-  command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this machine only)")
-      ->check(wire::lcm_url_problem);
-  command->add_option("--key-file", options->key_file,
-                      "the lab's key (default: the rig file's, $STROBE_KEY_FILE, ~/.config/strobe/lab.key)");
+  add_link_options(*command, options->paths);
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
   command->add_flag("--plain", options->plain, "lines of text instead of a screen");
   command->add_flag("--all", options->all, kAllHelp);
   add_web_options(*command, options->web);
+  for (const char* const asked :
+       {"--shots", "--until", "--spin", "--angle", "--note", "--plan", "--spacing", "--dry"})
+    resume->excludes(command->get_option(asked));
   command_line::for_experts(*command, {"--spacing", "--effort", "--lcm-url", "--key-file", "--wait",
                                        "--clear-fault", "--all", "--sessions", "--web-files"});
   command->footer(
@@ -207,10 +270,7 @@ void add_fire_command(CLI::App& app, int& exit_status) {
       "operator=\"A. Author\"\n"
       "         strobe fire --session run1 --resume --web\n"
       "Exit status: 0 all shots counted, 1 some did not, 2 bad usage or input.");
-  command->callback([options, &exit_status] {
-    options->command = words_of_command_line();
-    exit_status = run(*options);
-  });
+  command->callback([options, &exit_status] { exit_status = run(*options); });
 }
 
 }  // namespace strobe::host

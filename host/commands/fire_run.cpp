@@ -4,7 +4,7 @@
 
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
-#include "host/commands/kept_record.hpp"
+#include "host/commands/commission_run.hpp"
 #include "host/commands/shot_text.hpp"
 #include "host/loop/stored_series.hpp"
 #include "host/messages/lcm_link.hpp"
@@ -16,20 +16,6 @@ namespace {
 /// What has lasted for so long is told to a person who sees no screen.
 constexpr Duration kLasting = std::chrono::seconds{2};
 
-/// Whether strobed has another key than this host: nothing of it can be believed, not even its status.
-class KeyCheck {
- public:
-  /// Returns true once, when the keys turn out to differ.
-  bool update(const HostLoop& loop) {
-    if (told_ || loop.session().status() || loop.unverified()[authentication::Unverified::other_key] == 0)
-      return false;
-    return told_ = true;
-  }
-
- private:
-  bool told_ = false;
-};
-
 /// Prints, where there is no screen, what has lasted for two seconds.
 class ActivityNotes {
  public:
@@ -39,23 +25,23 @@ class ActivityNotes {
     if (activity != activity_) {
       activity_ = activity;
       since_ = now;
-      told_ = false;
+      reported_ = false;
     }
-    if (told_ || series.finished() || now - since_ < kLasting) return std::nullopt;
-    told_ = true;
+    if (reported_ || series.finished() || now - since_ < kLasting) return std::nullopt;
+    reported_ = true;
     return activity_;
   }
 
  private:
   std::string activity_;
   HostTime since_;
-  bool told_ = false;
+  bool reported_ = false;
 };
 
 /// What a person reads of a series tells what its shots share.
 AssemblySettings assembly_of(const FireRequest& request) {
   AssemblySettings settings = assembly_settings(request.rig);
-  settings.budgets = request.style != Terminal::Style::json || request.web.on;
+  settings.budgets = request.style != Terminal::Style::json || request.options.web.on;
   return settings;
 }
 
@@ -75,14 +61,14 @@ class FireRun {
         loop_(stored_.loop()),
         runner_(stored_.runner()),
         terminal_(request.style,
-                  fmt::format("strobe fire   rig {}   session {}", request.rig.rig, request.session)),
+                  fmt::format("strobe fire   rig {}   session {}", request.rig.rig, request.options.session)),
         shot_text_(folder, clock, [this](std::int64_t host) { return shown(host); }) {
     loop_.person_acted(request.asked);
     loop_.add_listener(terminal_);
     loop_.add_listener(shot_text_);
     terminal_.show_only([this](std::int64_t host) { return shown(host); });
     terminal_.model().thesis = request.condition;
-    terminal_.model().all = request.all;
+    terminal_.model().all = request.options.all;
     runner_.set_on_begin([this] { record_run(); });
     if (page_) serve();
   }
@@ -101,7 +87,8 @@ class FireRun {
  private:
   int fire() {
     terminal_.open();
-    tell(fmt::format("session {}, rig {} on {}", request_.session, request_.rig.rig, request_.url));
+    tell(fmt::format("session {}, rig {} on {}", request_.options.session, request_.rig.rig,
+                     request_.options.paths.url));
     if (!request_.rig_remark.empty()) tell(request_.rig_remark);
     if (!commissioned_.empty()) tell(commissioned_);
     if (runner_.taking_in())
@@ -109,8 +96,8 @@ class FireRun {
     if (!request_.train_remark.empty()) loop_.notify(request_.train_remark);
     bool receiving = true;
     while (!runner_.finished() && (receiving = stored_.run_once())) {
-      heed_signals();
-      heed_page();
+      obey_signals();
+      obey_page();
       check_output();
       check_key();
       show();
@@ -149,10 +136,10 @@ class FireRun {
   }
 
   /// The first finishes the shot under way; the second, or Ctrl-\, ends all at once.
-  void heed_signals() {
+  void obey_signals() {
     const int asked = ends_asked_for();
-    if (asked == heeded_) return;
-    heeded_ = asked;
+    if (asked == obeyed_) return;
+    obeyed_ = asked;
     if (asked == 1) return end_after_shot("interrupted");
     if (left_by_ && asked >= *left_by_) return runner_.leave();
     left_by_ = asked + 1;
@@ -179,11 +166,11 @@ class FireRun {
   void serve() {
     page_->attach(loop_, clock_, [this](std::int64_t host) { return shown(host); });
     terminal_.model().title += "   page " + page_->url();
-    terminal_.on_notification(page_->words());
+    terminal_.on_notification(page_->address_remark());
   }
 
   /// Stopping does as the first Ctrl-C, disarming as the second.
-  void heed_page() {
+  void obey_page() {
     if (!page_) return;
     for (const web::LiveCommand& command : page_->take_commands()) {
       if (command.kind == web::LiveCommand::Kind::disarm) {
@@ -201,8 +188,12 @@ class FireRun {
     if (const auto problem = terminal_.output_problem()) runner_.end_after_shot(*problem);
   }
 
+  /// Where strobed has another key than this host nothing of it can be believed, not even its status.
   void check_key() {
-    if (!key_.update(loop_)) return;
+    if (key_reported_ || loop_.session().status() ||
+        loop_.unverified()[authentication::Unverified::other_key] == 0)
+      return;
+    key_reported_ = true;
     terminal_.note(
         fmt::format("a firmware here has another key than this host, and is not believed: it tells its key's "
                     "fingerprint at its start, this host's is {} (see strobe key, --key-file)",
@@ -214,8 +205,8 @@ class FireRun {
     terminal_.model().activity = series.activity();
     terminal_.model().blocking_reason = series.blocking_reason();
     if (const auto note = activity_.update(series, loop_.now())) terminal_.note(*note);
-    if (!recovery_told_ && runner_.recovering_for() > kLasting) {
-      recovery_told_ = true;
+    if (!recovery_reported_ && runner_.recovering_for() > kLasting) {
+      recovery_reported_ = true;
       terminal_.note(fmt::format("fetching {} events that were lost on the way", missing_events()));
     }
     terminal_.show(loop_);
@@ -233,10 +224,10 @@ class FireRun {
 
   void print_series() {
     if (request_.style == Terminal::Style::json || terminal_.model().series.counted() == 0) return;
-    print(render_series(terminal_.model().series, request_.condition, kPlainWidth, request_.all));
+    print(render_series(terminal_.model().series, request_.condition, kPlainWidth, request_.options.all));
     if (request_.series.counted > 0)
       print({fmt::format("  These are this run's shots. All of the session's: strobe series {}",
-                         request_.session)});
+                         request_.options.session)});
   }
 
   int conclude() {
@@ -246,7 +237,7 @@ class FireRun {
     const std::string summary =
         fmt::format("{} of {} {} {}, {} fired again; session in {}", series.good(), request_.series.shots,
                     request_.series.shots == 1 ? "shot" : "shots", dry ? "fired dry" : "counted",
-                    series.refired(), request_.session);
+                    series.refired(), request_.options.session);
     std::string problem = series.succeeded() ? "" : series.blocking_reason();
     if (!ended_by_.empty() && !series.succeeded()) problem = ended_by_;
     if (loop_.disarming())
@@ -260,7 +251,7 @@ class FireRun {
     const std::string how_on =
         series.succeeded() || dry || !recorded_
             ? ""
-            : fmt::format("; go on with: strobe fire --resume --session {}", request_.session);
+            : fmt::format("; go on with: strobe fire --resume --session {}", request_.options.session);
     return failed(summary + (problem.empty() ? "" : ": " + problem) + how_on);
   }
 
@@ -274,20 +265,20 @@ class FireRun {
   SeriesRunner& runner_;
   Terminal terminal_;
   ShotText shot_text_;
-  int heeded_ = 0;              ///< of ends_asked_for()
+  int obeyed_ = 0;              ///< of ends_asked_for()
   std::optional<int> left_by_;  ///< of ends_asked_for(): then nothing is waited for any more
   std::string ended_by_;        ///< why the series ends before its time; empty: it does not
   bool recorded_ = false;       ///< there is a run to go on with
-  KeyCheck key_;
+  bool key_reported_ = false;
   ActivityNotes activity_;
-  bool recovery_told_ = false;
+  bool recovery_reported_ = false;
 };
 
 /// Whether the session holds all shots that are wanted, and nothing is left to take in.
 Result<bool> already_there(const FireRequest& request) {
   const ShotSeriesSettings& series = request.series;
   if (!series.whole_session || series.counted < series.shots) return false;
-  const auto former = read_former_runs(request.session, request.rig.rig, request.key);
+  const auto former = read_former_runs(request.options.session, request.rig.rig, request.key);
   if (!former) return tl::unexpected(former.error());
   return !former->may_lack_results();
 }
@@ -299,27 +290,29 @@ int run_fire(const FireRequest& request) {
   if (!there) return bad_input(there.error().message);
   if (*there) {
     std::fprintf(stderr, "strobe: session %s holds %d shots that count, of %d wanted: nothing is fired\n",
-                 request.session.c_str(), request.series.counted, request.series.shots);
+                 request.options.session.c_str(), request.series.counted, request.series.shots);
     return kDone;
   }
-  auto page = WebPage::open(
-      request.web, {"fire", request.run.version, request.session, request.key_file, request.condition},
-      request.rig,
-      [&](web::Router& router, web::EventHub&) { web::add_record_route(router, request.run.rig_file); });
+  auto page = WebPage::open(request.options.web,
+                            {"fire", request.run.version, request.options.session,
+                             request.options.paths.key_file, request.condition},
+                            request.rig, [&](web::Router& router, web::EventHub&) {
+                              web::add_record_route(router, request.run.rig_file);
+                            });
   if (!page) return bad_input(page.error().message);
   MachineClock clock;
   auto folder = SessionFolder::open(
-      request.session, utc_for_file(clock.read().wall), request.rig.text, request.plan_text,
+      request.options.session, utc_for_file(clock.read().wall), request.rig.text, request.plan_text,
       {request.rig.camera.calibration.value_or(""), request.rig.calibration_text});
   if (!folder) return bad_input(folder.error().message);
   const auto commissioned =
-      keep_commission_record(request.run.rig_file, request.rig, request.session, clock.read().wall);
+      keep_commission_record(request.run.rig_file, request.rig, request.options.session, clock.read().wall);
   if (!commissioned) return bad_input(commissioned.error().message);
-  auto link = LcmLink::open(request.url, request.rig.rig);
+  auto link = LcmLink::open(request.options.paths.url, request.rig.rig);
   if (!link) return failed(link.error().message);
   catch_signals();
   FireRun run(request, *commissioned, **folder, **link, clock, random_host_id(), page->get());
-  auto photographs = open_pipeline(request.rig, request.photographs, request.session,
+  auto photographs = open_pipeline(request.rig, request.options.photographs, request.options.session,
                                    run.loop().settings().host_id, run.loop().session().clock(), clock.read());
   if (!photographs) return bad_input(photographs.error().message);
   run.loop().set_photographs(std::move(*photographs));

@@ -4,10 +4,13 @@
 
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/authentication/key.hpp"
 #include "common/data/thesis_data.hpp"
-#include "host/clock/clock_reading.hpp"
+#include "host/clock/machine_clock.hpp"
+#include "host/commands/shared_options.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/commands/web_page.hpp"
 #include "host/config/rig_file.hpp"
@@ -18,26 +21,34 @@
 
 namespace strobe::host {
 
-struct FireRequest {
-  explicit FireRequest(const authentication::Key& lab_key) : key(lab_key) {}
+struct FireOptions {
+  RigOptions paths;
+  std::string session, plan_path, spacing, spin;
+  std::vector<std::string> notes;
+  std::optional<double> angle_deg;
+  std::optional<int> shots, until, retries;
+  double wait_s = 60.0;
+  PhotographOptions photographs;
+  WebOptions web;
+  bool dry = false, json = false, plain = false, clear_fault = false, resume = false, all = false;
+};
 
-  HostReading asked;  ///< when the command was given
+struct FireRequest {
+  FireRequest(FireOptions given, const authentication::Key& lab_key)
+      : options(std::move(given)), key(lab_key) {}
+
+  FireOptions options;  ///< with the session and the LCM URL that were chosen
+  HostReading asked;    ///< when the command was given
   authentication::Key key;
   RigFile rig;
   ShotSeriesSettings series;
   std::string plan_text;
-  std::string train_remark;  ///< told at the start, if any
-  std::string rig_remark;    ///< which rig file was taken where none was named; else empty
-  std::string url;
-  std::string session;
+  std::string train_remark;     ///< told at the start, if any
+  std::string rig_remark;       ///< which rig file was taken where none was named; else empty
   std::optional<RunLock> lock;  ///< of the session
-  PhotographOptions photographs;
-  RunRecord run;  ///< for the session's runs.jsonl, but for what only the run knows
+  RunRecord run;                ///< for the session's runs.jsonl, but for what only the run knows
   std::optional<thesis::Condition> condition;
   Terminal::Style style = Terminal::Style::plain;
-  bool all = false;  ///< show experts' numbers as well
-  WebOptions web;
-  std::string key_file;  ///< as of --key-file
 };
 
 /// Returns the exit status.

@@ -10,7 +10,7 @@
 #include <iterator>
 #include <memory>
 
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/flight/gravity.hpp"
 #include "common/impact/fit/fit_checks.hpp"
 #include "host/commands/command.hpp"

@@ -5,12 +5,12 @@
 #include <optional>
 
 #include "common/authentication/key_file.hpp"
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/config/default_rig.hpp"
 #include "common/wire/lcm_url.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
-#include "host/commands/photograph_options.hpp"
+#include "host/commands/shared_options.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/commands/web_page.hpp"
 #include "host/config/rig_file.hpp"
@@ -75,13 +75,13 @@ class MissingNotes {
     constexpr Duration kSettled = std::chrono::seconds{5};
     if (missing != missing_) since_ = now;
     missing_ = missing;
-    if (missing <= told_ || now - since_ < kSettled) return std::nullopt;
-    told_ = missing;
+    if (missing <= reported_ || now - since_ < kSettled) return std::nullopt;
+    reported_ = missing;
     return fmt::format("{} events did not arrive here", missing);
   }
 
  private:
-  std::int64_t missing_ = 0, told_ = 0;
+  std::int64_t missing_ = 0, reported_ = 0;
   HostTime since_;
 };
 
@@ -142,13 +142,13 @@ int run_live(const LiveOptions& options) {
   if (*page) {
     (*page)->attach(loop, clock);
     terminal.model().title += "   page " + (*page)->url();
-    terminal.on_notification((*page)->words());
+    terminal.on_notification((*page)->address_remark());
   }
   terminal.open();
   TimingReport timing(loop, terminal, options.json);
   const bool with_timing = options.timing && !terminal.owns_screen();
   if (with_timing) loop.add_listener(timing);
-  if (const auto words = config::words_on_example(options.rig_path, "--rig"); !words.empty())
+  if (const auto words = config::example_remark(options.rig_path, "--rig"); !words.empty())
     terminal.note(words);
   terminal.note(fmt::format("listening to rig {} on {}", rig->rig, url));
   if (!loop.verifies()) {

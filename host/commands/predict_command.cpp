@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/impact/closed_form/sine_pulse.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
 #include "common/messages/parsed_json.hpp"

@@ -13,7 +13,7 @@
 #include <optional>
 #include <system_error>
 
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/json_conversions.hpp"
 #include "common/messages/parsed_json.hpp"

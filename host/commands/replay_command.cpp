@@ -7,15 +7,14 @@
 #include <system_error>
 
 #include "common/authentication/key_file.hpp"
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "host/archive/fired_shots.hpp"
 #include "host/archive/redigitize.hpp"
 #include "host/archive/results_table.hpp"
 #include "host/archive/shot_outcome.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
-#include "host/commands/operator_name.hpp"
-#include "host/commands/session_options.hpp"
+#include "host/commands/shared_options.hpp"
 #include "host/series/from_session.hpp"
 #include "host/session/run_lock.hpp"
 #include "host/session/shot_names.hpp"

@@ -5,13 +5,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/parsed_json.hpp"
 #include "host/archive/redigitize.hpp"
 #include "host/archive/reduce_again.hpp"
 #include "host/commands/command.hpp"
-#include "host/commands/session_options.hpp"
+#include "host/commands/shared_options.hpp"
 #include "host/commands/shot_report.hpp"
 #include "host/digitize/overlay.hpp"
 #include "host/series/budget_lines.hpp"

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "host/clock/clock_reading.hpp"
+#include "host/clock/machine_clock.hpp"
 #include "host/loop/host_loop.hpp"
 #include "host/session/session_folder.hpp"
 

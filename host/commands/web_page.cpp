@@ -113,9 +113,8 @@ WebPage::~WebPage() {
   if (!parts_->server->end()) static_cast<void>(parts_.release());
 }
 
-web::EventHub& WebPage::hub() { return parts_->hub; }
 std::string WebPage::url() const { return parts_->server->url(); }
-std::string WebPage::words() const { return "the page: " + parts_->server->url_with_secret(); }
+std::string WebPage::address_remark() const { return "the page: " + parts_->server->url_with_secret(); }
 
 void WebPage::attach(HostLoop& loop, Clock& clock, std::function<bool(std::int64_t)> shown) {
   parts_->shown = shown;

@@ -55,11 +55,10 @@ class WebPage {
   WebPage(const WebPage&) = delete;
   WebPage& operator=(const WebPage&) = delete;
 
-  web::EventHub& hub();
   /// "http://127.0.0.1:8650/"
   std::string url() const;
   /// For the person at the console: the address, with the secret if one is needed.
-  std::string words() const;
+  std::string address_remark() const;
 
   // For the loop's thread.
   /// The page is told what happens on this loop, which it must outlive. shown: whether a host's shots are; empty: all are.

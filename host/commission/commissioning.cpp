@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 
 namespace strobe::commission {
 namespace {
@@ -111,13 +112,9 @@ void Commissioning::choose() {
 }
 
 void Commissioning::leave_out(const std::string& words, const std::string& advice, StepState state) {
-  std::vector<StepResult> results;
-  for (const std::size_t i : work_[current_].views) {
-    StepResult result = skipped(views_[i].info.id, words, advice);
-    result.state = state;
-    results.push_back(std::move(result));
-  }
-  finish_step(std::move(results));
+  StepResult result = skipped(words, advice);
+  result.state = state;
+  finish_step(std::vector<StepResult>(work_[current_].views.size(), result));
 }
 
 void Commissioning::ask(Prompt prompt) {
@@ -243,11 +240,11 @@ void Commissioning::deliver() {
 
 void Commissioning::finish_step(std::vector<StepResult> results) {
   bool failure = false;
-  for (const std::size_t i : work_[current_].views) {
-    StepView& view = views_[i];
-    const auto found = std::ranges::find(results, view.info.id, &StepResult::id);
-    view.result = found != results.end() ? std::move(*found)
-                                         : failed(view.info.id, "not_judged", "nothing was found out", "");
+  assert(results.size() == work_[current_].views.size());
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    StepView& view = views_[work_[current_].views[i]];
+    view.result = std::move(results[i]);
+    view.result->id = view.info.id;
     view.state = view.result->state;
     failure = failure || view.state == StepState::failed;
     for (CommissioningListener* listener : listeners_) listener->on_result(view);

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "common/shot/recent_map.hpp"
-#include "host/commission/core/step.hpp"
 #include "host/commission/record/record.hpp"
+#include "host/commission/step.hpp"
 #include "host/loop/host_loop.hpp"
 #include "host/session/shot_series.hpp"
 

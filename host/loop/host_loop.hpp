@@ -16,7 +16,7 @@
 
 #include "common/authentication/key.hpp"
 #include "common/messages/channels.hpp"
-#include "host/clock/clock_reading.hpp"
+#include "host/clock/machine_clock.hpp"
 #include "host/loop/disarm_request.hpp"
 #include "host/messages/command_factory.hpp"
 #include "host/messages/message_decoder.hpp"

@@ -16,7 +16,7 @@
 #include "common/authentication/key.hpp"
 #include "common/result.hpp"
 #include "common/shot/shot_key.hpp"
-#include "host/clock/clock_reading.hpp"
+#include "host/clock/machine_clock.hpp"
 #include "host/session/run_record.hpp"
 
 namespace strobe::host {

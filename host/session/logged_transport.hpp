@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "host/clock/clock_reading.hpp"
+#include "host/clock/machine_clock.hpp"
 #include "host/messages/transport.hpp"
 #include "host/session/session_folder.hpp"
 

@@ -88,14 +88,10 @@ const histogram_t* histogram_of(const status_t& status, int quantity) {
 std::string clock_line(const ClockState& clock, double status_age_s) {
   std::string line = fmt::format("clock: heard {:.1f} s ago", std::max(0.0, status_age_s));
   if (clock.latency_s) {
-    line += fmt::format(", {:+.2f} ms against the usual; latest {:+.2f} ms", *clock.latency_s * 1e3,
+    line += fmt::format(", {:+.2f} ms against the fastest; latest {:+.2f} ms", *clock.latency_s * 1e3,
                         clock.worst_latency_s * 1e3);
   }
-  if (clock.drift_ppm) {
-    line += fmt::format("   drift {} ± {} ppm   offset ± {:.0f} us",
-                        rounded(*clock.drift_ppm, clock.drift_sd_ppm),
-                        rounded(clock.drift_sd_ppm, clock.drift_sd_ppm), clock.offset_sd_s * 1e6);
-  }
+  if (clock.drift_ppm) line += fmt::format("   drift {:.1f} ppm", *clock.drift_ppm);
   return clock.suspect ? line + "   SUSPECT: no clock drifts like this" : line;
 }
 
@@ -133,9 +129,6 @@ std::string timing_json(const status_t& status, const ClockState& clock, int aft
       {"clock",
        {{"heartbeats", clock.heartbeats},
         {"drift_ppm", messages::or_null(clock.drift_ppm)},
-        {"drift_sd_ppm", clock.drift_ppm ? nlohmann::ordered_json(clock.drift_sd_ppm) : nullptr},
-        {"offset_s", messages::or_null(clock.offset_s)},
-        {"offset_sd_s", clock.offset_s ? nlohmann::ordered_json(clock.offset_sd_s) : nullptr},
         {"latency_s", messages::or_null(clock.latency_s)},
         {"worst_latency_s", clock.worst_latency_s},
         {"suspect", clock.suspect}}},

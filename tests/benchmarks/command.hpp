@@ -19,7 +19,6 @@ void add_flood_command(CLI::App& app, int& exit_status);
 
 namespace strobe::studies {
 
-void add_clock_command(CLI::App& app, int& exit_status);
 void add_contact_command(CLI::App& app, int& exit_status);
 void add_digitize_command(CLI::App& app, int& exit_status);
 void add_digits_command(CLI::App& app, int& exit_status);

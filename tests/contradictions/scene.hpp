@@ -10,7 +10,7 @@
 #include <numbers>
 #include <optional>
 
-#include "sim/random/hash.hpp"
+#include "sim/random/draws.hpp"
 
 namespace strobe::contradictions {
 

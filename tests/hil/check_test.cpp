@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/core/rig_file.hpp"
+#include "firmware/core/rig.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "tests/hil/line_changes.hpp"
 #include "tests/support/json_lines.hpp"

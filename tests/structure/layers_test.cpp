@@ -1,131 +1,60 @@
-// Inside common, firmware, host and sim, folders are layers: each includes lower ones only. No cycle anywhere.
+// Folders are layers: no folder includes another that includes it, by whatever way, neither among the folders of one level nor
+// of all together.
 #include <fmt/format.h>
 
-#include <map>
-#include <optional>
-#include <set>
+#include <algorithm>
 #include <string>
 #include <vector>
-#include "tests/support/string_from.hpp"
 
 #include "tests/structure/folder_graph.hpp"
+#include "tests/support/string_from.hpp"
 
 namespace {
 
 using namespace strobe::structure;
 
-/// Folders of one layer do not include each other.
-using Layer = std::set<std::string>;
-
-/// Lowest first. A new folder is put as low as its includes allow.
-const std::map<std::string, std::vector<Layer>> kLayers{
-    {"common",
-     {
-         {"common", "common/impact"},
-         {"common/authentication", "common/ball", "common/command_line", "common/config", "common/image", "common/sampling", "common/statistics", "common/units", "common/wire"},
-         {"common/data", "common/flight", "common/impact/closed_form", "common/shot"},
-         {"common/geometry", "common/impact/ode"},
-         {"common/contact/integration", "common/impact/fit", "common/reduction"},
-         {"common/contact/differentiation", "common/messages", "common/reduction/matching"},
-         {"common/contact"},
-     }},
-    {"firmware",
-     {
-         {"firmware/ports"},
-         {"firmware/core"},
-         {"firmware/gpio"},
-         {"firmware/linux", "firmware/publisher"},
-         {"firmware"},
-     }},
-    {"host",
-     {
-         {"host/clock", "host/config", "host/digitize/core", "host/digitize/image", "host/external",
-          "host/figures", "host/web/http"},
-         {"host/assembly", "host/camera", "host/digitize/candidates", "host/digitize/equator",
-          "host/digitize/outline", "host/digitize/surface", "host/digitize/transfer", "host/messages"},
-         {"host/bounces", "host/digitize/path", "host/session"},
-         {"host/digitize/outliers", "host/export"},
-         {"host/digitize"},
-         {"host/report/model"},
-         {"host/photographs", "host/report/html"},
-         {"host/loop"},
-         {"host/archive", "host/commission/core"},
-         {"host/batch", "host/commission/camera", "host/commission/electrical", "host/commission/record",
-          "host/series"},
-         {"host/commission/balls", "host/view"},
-         {"host/commission", "host/thesis"},
-         {"host/report/content", "host/web/commission", "host/web/json"},
-         {"host/report/sections", "host/web/live"},
-         {"host/report"},
-         {"host/web/archive"},
-         {"host/web/editing"},
-         {"host/commands"},
-         {"host/commands/report", "host/commands/series"},
-         {"host"},
-     }},
-    {"sim",
-     {
-         {"sim/gpiochip", "sim/random", "sim/scene"},
-         {"sim/gpiochip/preload", "sim/motion"},
-         {"sim/loading", "sim/rig"},
-         {"sim/fit", "sim/photograph", "sim/shoot"},
-         {"sim/effects", "sim/live", "sim/rig_file"},
-         {"sim/commands"},
-         {"sim"},
-     }},
-};
-
-std::optional<std::size_t> layer_of(const std::string& folder) {
-  const auto layers = kLayers.find(top_folder(folder));
-  if (layers == kLayers.end()) return std::nullopt;
-  for (std::size_t i = 0; i < layers->second.size(); ++i)
-    if (layers->second[i].contains(folder)) return i;
-  return std::nullopt;
+/// The first `depth` folders of a path: of host/digitize/path at a depth of 2 host/digitize.
+std::string at_depth(const std::string& folder, int depth) {
+  std::size_t end = 0;
+  for (int level = 0; level < depth && end != std::string::npos; ++level)
+    end = folder.find('/', level == 0 ? 0 : end + 1);
+  return folder.substr(0, end);
 }
 
-std::set<std::string> folders_with_code() {
-  std::set<std::string> folders;
-  for (const SourceFile& file : cpp_files()) folders.insert(folder_of(file.path));
-  return folders;
+/// The includes that lead from one of the folders of this level to another.
+std::vector<FolderInclude> includes_at_depth(const std::vector<SourceFile>& files, int depth) {
+  std::vector<FolderInclude> found = includes_between_folders(files);
+  for (FolderInclude& include : found) {
+    include.from = at_depth(include.from, depth);
+    include.to = at_depth(include.to, depth);
+  }
+  std::erase_if(found, [](const FolderInclude& include) { return include.from == include.to; });
+  return found;
 }
 
-std::string text_of(const FolderInclude& include) {
-  return fmt::format("\n  {}:{}: {}", include.file, include.line, include.target);
+std::string in_words(const std::vector<std::vector<FolderInclude>>& circles) {
+  std::string words;
+  for (const auto& circle : circles) {
+    words += "\ncircle:";
+    for (const FolderInclude& include : circle)
+      words += fmt::format("\n  {}:{}: {}", include.file, include.line, include.target);
+  }
+  return words;
 }
 
 }  // namespace
 
 TEST_GROUP(Layers){};
 
-TEST(Layers, KnowEveryFolderAndNoOther) {
-  const std::set<std::string> folders = folders_with_code();
-  std::string wrong;
-  for (const std::string& folder : folders)
-    if (kLayers.contains(top_folder(folder)) && !layer_of(folder)) wrong += "\n  in no layer: " + folder;
-  for (const auto& [top, layers] : kLayers) {
-    for (const Layer& layer : layers) {
-      for (const std::string& folder : layer)
-        if (!folders.contains(folder)) wrong += "\n  no such folder: " + folder;
-    }
-  }
-  CHECK_EQUAL("", wrong);
+TEST(Layers, AFolderOfALevelStandsForThoseBelowIt) {
+  CHECK_EQUAL("host/digitize", at_depth("host/digitize/path", 2));
+  CHECK_EQUAL("host", at_depth("host", 2));
+  const std::vector<SourceFile> files{{"host/a/x/f.cpp", {"#include \"host/b/g.hpp\""}},
+                                      {"host/b/g.hpp", {"#include \"host/a/y/h.hpp\""}}};
+  CHECK(cycles(includes_between_folders(files)).empty());
+  CHECK_EQUAL(1U, cycles(includes_at_depth(files, 2)).size());
 }
 
-TEST(Layers, IncludeOnlyLowerOnes) {
-  std::string wrong;
-  for (const FolderInclude& include : includes_between_folders(cpp_files())) {
-    if (top_folder(include.from) != top_folder(include.to)) continue;  // IncludeGraph's
-    const auto from = layer_of(include.from), to = layer_of(include.to);
-    if (from && to && *to >= *from) wrong += text_of(include);
-  }
-  CHECK_EQUAL("", wrong);
-}
-
-TEST(Layers, FormNoCycleInProductAndTests) {
-  std::string wrong;
-  for (const auto& cycle : cycles(includes_between_folders(cpp_files()))) {
-    wrong += "\ncycle:";
-    for (const FolderInclude& include : cycle) wrong += text_of(include);
-  }
-  CHECK_EQUAL("", wrong);
+TEST(Layers, FormNoCircleAtAnyLevel) {
+  for (const int depth : {1, 2, 3, 4}) CHECK_EQUAL("", in_words(cycles(includes_at_depth(cpp_files(), depth))));
 }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/messages/channels.hpp"
-#include "host/clock/clock_reading.hpp"
+#include "host/clock/machine_clock.hpp"
 #include "host/messages/transport.hpp"
 
 namespace strobe::testing {

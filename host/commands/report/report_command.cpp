@@ -8,11 +8,11 @@
 #include <cstdio>
 #include <memory>
 
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/config/files.hpp"
 #include "host/archive/read_session.hpp"
 #include "host/commands/command.hpp"
-#include "host/commands/session_options.hpp"
+#include "host/commands/shared_options.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/report/build_report.hpp"
 #include "host/report/content/summarize_shots.hpp"

@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <memory>
 
-#include "common/command_line/help.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/reduction/uncertainty.hpp"
 #include "host/archive/read_session.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/series/series_report.hpp"
-#include "host/commands/session_options.hpp"
+#include "host/commands/shared_options.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/series/from_session.hpp"
 

@@ -10,7 +10,8 @@
 
 #include "common/result.hpp"
 #include "common/units/time.hpp"
-#include "host/commission/core/step.hpp"
+#include "host/commission/record/step_result.hpp"
+#include "host/config/rig_file.hpp"
 
 namespace strobe::commission {
 
@@ -33,8 +34,11 @@ struct Record {
   const RecordedStep* newest(std::string_view id) const;
 };
 
-/// With its end.
+/// {"utc","rig","step","title","state","value","sd","unit","limit","words","advice","fault","figures","operator","version",
+/// "tables_hash"}, with its end.
 std::string record_line(const RecordedStep& step);
+/// The result alone: {"step","title","state","value","sd","unit","limit","words","advice","fault","figures"}
+std::string result_json(const std::string& title, const StepResult& result);
 /// Any bytes.
 Record parse_record(std::string_view text);
 /// Reads the file; an absent one is empty. Fails with the file's name.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/archive/stored_session.hpp"
-#include "host/config/statements.hpp"
+#include "host/config/notes.hpp"
 #include "host/report/content/conformity.hpp"
 #include "host/series/series_summary.hpp"
 #include "host/thesis/thesis_inputs.hpp"

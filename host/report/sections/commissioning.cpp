@@ -4,8 +4,8 @@
 
 #include <chrono>
 
-#include "host/commission/all_steps.hpp"
 #include "host/commission/record/record.hpp"
+#include "host/commission/steps.hpp"
 #include "host/report/sections/parts.hpp"
 #include "host/report/sections/sections.hpp"
 

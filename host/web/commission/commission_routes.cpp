@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/messages/parsed_json.hpp"
-#include "host/commission/all_steps.hpp"
+#include "host/commission/steps.hpp"
 
 namespace strobe::web {
 namespace {

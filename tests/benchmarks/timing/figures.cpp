@@ -7,7 +7,10 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <filesystem>
 #include <stdexcept>
+
+#include "host/figures/svg.hpp"
 #include <string_view>
 
 namespace strobe::benchmarks::timing {
@@ -17,34 +20,6 @@ namespace {
 constexpr std::array<const char*, 8> kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                               "#E69F00", "#56B4E9", "#7A5C00", "#555555"};
 constexpr double kMinUs = 1e-3;
-constexpr int kPanelWidth = 560;
-
-/// As a string of gnuplot's, in single quotes.
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
-  return out + "'";
-}
-
-void draw_panel(FILE* gnuplot, const Panel& panel) {
-  std::fprintf(gnuplot, "unset logscale\nset title %s\nset xlabel %s\nset ylabel %s\n",
-               quoted(panel.title).c_str(), quoted(panel.x_label).c_str(), quoted(panel.y_label).c_str());
-  if (panel.log_x) std::fprintf(gnuplot, "set logscale x\n");
-  if (panel.log_y) std::fprintf(gnuplot, "set logscale y\n");
-  for (std::size_t i = 0; i < panel.curves.size(); ++i) {
-    std::fprintf(gnuplot, "$curve%zu << EOD\n", i);
-    const Curve& curve = panel.curves[i];
-    for (std::size_t k = 0; k < curve.x.size(); ++k)
-      std::fprintf(gnuplot, "%.9g %.9g\n", curve.x[k], curve.y[k]);
-    std::fprintf(gnuplot, "EOD\n");
-  }
-  std::fprintf(gnuplot, "plot ");
-  for (std::size_t i = 0; i < panel.curves.size(); ++i) {
-    std::fprintf(gnuplot, "%s$curve%zu with linespoints pt 7 ps 0.4 lw 2 lc rgb '%s' title %s",
-                 i == 0 ? "" : ", ", i, kColours[i % kColours.size()], quoted(panel.curves[i].title).c_str());
-  }
-  std::fprintf(gnuplot, "\n");
-}
 
 }  // namespace
 
@@ -137,16 +112,28 @@ Curve exceedance(const std::string& title, std::vector<double> values) {
   return curve;
 }
 
-void draw(const std::string& png, const std::vector<Panel>& panels) {
-  const std::unique_ptr<FILE, int (*)(FILE*)> gnuplot(popen("gnuplot", "w"), &pclose);
-  if (!gnuplot) throw std::runtime_error("gnuplot cannot be started (Debian package gnuplot-nox)");
-  std::fprintf(
-      gnuplot.get(),
-      "set terminal pngcairo size %d,480 font 'sans,10'\nset output %s\nset grid\nset key top right\n"
-      "set multiplot layout 1,%zu\n",
-      kPanelWidth * static_cast<int>(panels.size()), quoted(png).c_str(), panels.size());
-  for (const Panel& panel : panels) draw_panel(gnuplot.get(), panel);
-  std::fprintf(gnuplot.get(), "unset multiplot\n");
+void draw(const std::string& svg, const std::vector<Panel>& panels) {
+  figures::Figure figure{.title = "Shares of values above", .columns = static_cast<int>(panels.size())};
+  for (const Panel& panel : panels) {
+    figures::Panel& out = figure.panels.emplace_back();
+    out.title = panel.title;
+    out.x_label = panel.x_label;
+    out.y_label = panel.y_label;
+    out.log_x = panel.log_x;
+    out.log_y = panel.log_y;
+    for (std::size_t i = 0; i < panel.curves.size(); ++i) {
+      const Curve& curve = panel.curves[i];
+      figures::Series series{.name = panel.title + " " + curve.title,
+                             .legend = &panel == &panels.front() ? curve.title : "",
+                             .colour = kColours[i % kColours.size()]};
+      for (std::size_t k = 0; k < curve.x.size(); ++k) series.points.push_back({curve.x[k], curve.y[k]});
+      out.series.push_back(std::move(series));
+    }
+  }
+  const std::filesystem::path file(svg);
+  const auto drawn =
+      figures::write_figure(figure, file.has_parent_path() ? file.parent_path() : ".", file.stem());
+  if (!drawn) throw std::runtime_error(drawn.error().message);
 }
 
 std::optional<Sample> flash_of(const strobe_msgs::event_t& event, int cpu) {

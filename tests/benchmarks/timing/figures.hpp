@@ -54,7 +54,7 @@ void print_rows(const std::vector<Row>& rows, bool json, const std::string& rati
 /// std::runtime_error if it cannot be written.
 void write_csv(const std::string& path, const std::vector<Row>& rows);
 
-/// Drawn with gnuplot into a PNG.
+/// Drawn as SVG.
 struct Curve {
   std::string title;
   std::vector<double> x;
@@ -70,8 +70,8 @@ struct Panel {
 /// The share of values that are above each, for values from 1 ns up.
 Curve exceedance(const std::string& title, std::vector<double> values);
 
-/// One panel beside the other. std::runtime_error if gnuplot cannot be run.
-void draw(const std::string& png, const std::vector<Panel>& panels);
+/// One panel beside the other, with its data as CSV beside it. std::runtime_error if it cannot be written.
+void draw(const std::string& svg, const std::vector<Panel>& panels);
 
 /// A flash of strobed's journal as a sample: its issue; also of one that was too late to be issued, for which its shot was aborted: it counts as
 /// issued then, since the latest flashes would be missing otherwise. Returns nullopt for all other events.

@@ -16,7 +16,7 @@
 #include <strobe_msgs/event_t.hpp>
 #include <thread>
 
-#include "sim/scene/lines.hpp"
+#include "sim/scene/scene.hpp"
 #include "tests/benchmarks/timing/figures.hpp"
 #include "tests/benchmarks/timing/freeze_detector.hpp"
 

@@ -7,8 +7,8 @@
 #include "tests/support/string_from.hpp"
 #include "tests/support/temporary_folder.hpp"
 
+using strobe::config::example_remark;
 using strobe::config::rig_file_or_example;
-using strobe::config::words_on_example;
 
 TEST_GROUP(DefaultRig) {
   strobe::testing::TemporaryFolder folder;
@@ -18,13 +18,13 @@ TEST_GROUP(DefaultRig) {
 
 TEST(DefaultRig, IsTheNamedFileWhereOneIsNamed) {
   CHECK_EQUAL("lab.toml", rig_file_or_example("lab.toml", "--rig").value_or(""));
-  CHECK_EQUAL("", words_on_example("lab.toml", "--rig"));
+  CHECK_EQUAL("", example_remark("lab.toml", "--rig"));
 }
 
 TEST(DefaultRig, IsElseTheExampleInTheShareFolderAndSaysSo) {
   const std::string example = folder / "rig.toml";
   CHECK_EQUAL(example, rig_file_or_example("", "--rig").value_or(""));
-  CHECK_EQUAL("no --config given: taking the example " + example, words_on_example("", "--config"));
+  CHECK_EQUAL("no --config given: taking the example " + example, example_remark("", "--config"));
 }
 
 TEST(DefaultRig, FailsWithBothReasonsWhereThereIsNoShareFolder) {

@@ -30,25 +30,22 @@ std::string channel(Channel kind) { return messages::channel_name("bench", kind)
 class ScriptedStep final : public Step {
  public:
   ScriptedStep(std::string id, Needs needs, bool good = true)
-      : infos_{{id, id, {"lamps"}}}, needs_(needs), good_(good) {}
-  const std::vector<StepInfo>& infos() const override { return infos_; }
-  Needs needs() const override { return needs_; }
-  std::string briefing(const host::RigFile&) const override { return "does " + infos_[0].id; }
+      : Step({{id, id, {"lamps"}}}, needs), good_(good) {}
+  std::string briefing(const host::RigFile&) const override { return "does " + infos()[0].id; }
   void begin(const Situation&) override {
     ++begun;
     fired_ = false;
   }
   Request step(const Situation&) override {
-    if (needs_.outputs && !fired_) {
+    if (needs().outputs && !fired_) {
       Fire fire;
-      fire.plan.dry = !needs_.machine;
+      fire.plan.dry = !needs().machine;
       fire.plan.exposure = milliseconds{300};
       fire.words = "flashes";
       return fire;
     }
-    if (!why_not.empty()) return Done{{failed(infos_[0].id, "no_shot", why_not, "mend it")}};
+    if (!why_not.empty()) return Done{{failed("no_shot", why_not, "mend it")}};
     StepResult result;
-    result.id = infos_[0].id;
     result.state = good_ ? StepState::passed : StepState::failed;
     return Done{{result}};
   }
@@ -66,8 +63,6 @@ class ScriptedStep final : public Step {
   std::string why_not;
 
  private:
-  std::vector<StepInfo> infos_;
-  Needs needs_;
   bool good_;
   bool fired_ = false;
 };

@@ -1,5 +1,5 @@
 // Key and e-stop as a person moves them, on rigs whose wires are right and wrong.
-#include "host/commission/electrical/switch_step.hpp"
+#include "host/commission/steps.hpp"
 
 #include <functional>
 #include <map>
@@ -24,7 +24,8 @@ class Panel {
 
   Panel() : rig_(*host::read_rig("rig = \"bench\"\n", "rig.toml")) {}
 
-  StepResult run(SwitchStep step, Duration patience = std::chrono::seconds{10}) {
+  StepResult run(std::unique_ptr<Step> asked, Duration patience = std::chrono::seconds{10}) {
+    Step& step = *asked;
     step.begin(situation(patience));
     for (int turn = 0; turn < 10'000; ++turn) {
       now_ += milliseconds{50};
@@ -35,7 +36,7 @@ class Panel {
       if (wanted != wanted_) due_ = now_ + std::chrono::seconds{2};
       wanted_ = wanted;
     }
-    return failed("", "endless", "", "");
+    return failed("endless", "", "");
   }
 
   bool key_on = false, estop_released = false, key_wire = true, estop_wire = true;
@@ -53,7 +54,7 @@ class Panel {
     std::tie(status.key_active, status.estop_active) = levels();
     return {now_, status, rig_, "", true, 0, false, true, patience};
   }
-  void act(SwitchStep& step) {
+  void act(Step& step) {
     due_.reset();
     if (ignores.contains(wanted_)) return;
     const auto before = levels();
@@ -93,7 +94,7 @@ class Panel {
       if (before.second != after.second) send(step, event_t::ESTOP, there ? after.second : before.second);
     }
   }
-  void send(SwitchStep& step, std::int8_t kind, bool level) {
+  void send(Step& step, std::int8_t kind, bool level) {
     event_t event{};
     event.kind = kind;
     event.level = level ? 1 : 0;
@@ -123,10 +124,10 @@ TEST_GROUP(SwitchStep) {
 };
 
 TEST(SwitchStep, PassesARigThatIsWiredRight) {
-  expect(panel.run(SwitchStep::key()), "");
-  expect(panel.run(SwitchStep::key_wire()), "");
-  expect(panel.run(SwitchStep::estop()), "");
-  const StepResult last = panel.run(SwitchStep::estop_wire());
+  expect(panel.run(key_step()), "");
+  expect(panel.run(key_wire_step()), "");
+  expect(panel.run(estop_step()), "");
+  const StepResult last = panel.run(estop_wire_step());
   expect(last, "");
   DOUBLES_EQUAL(2.0, *last.value, 0.0);
   CHECK_TRUE(panel.key_on);
@@ -135,8 +136,8 @@ TEST(SwitchStep, PassesARigThatIsWiredRight) {
 
 TEST(SwitchStep, ForgivesContactsThatBounce) {
   panel.bounces = 3;
-  expect(panel.run(SwitchStep::key()), "");
-  expect(panel.run(SwitchStep::estop()), "");
+  expect(panel.run(key_step()), "");
+  expect(panel.run(estop_step()), "");
 }
 
 TEST(SwitchStep, FindsAnInvertedLineWhereverTheSwitchBegins) {
@@ -144,45 +145,45 @@ TEST(SwitchStep, FindsAnInvertedLineWhereverTheSwitchBegins) {
     panel = Panel();
     panel.key_inverted = panel.estop_inverted = true;
     panel.key_on = panel.estop_released = begins;
-    const StepResult key = panel.run(SwitchStep::key());
+    const StepResult key = panel.run(key_step());
     CHECK_TRUE(key.state == StepState::failed);
-    const StepResult estop = panel.run(SwitchStep::estop());
+    const StepResult estop = panel.run(estop_step());
     CHECK_TRUE(estop.state == StepState::failed);
   }
 }
 
 TEST(SwitchStep, NamesAnInvertedLineWhereTheSwitchBeginsAsAsked) {
   panel.key_inverted = panel.estop_inverted = true;
-  expect(panel.run(SwitchStep::key()), "inverted");
-  expect(panel.run(SwitchStep::estop()), "inverted");
+  expect(panel.run(key_step()), "inverted");
+  expect(panel.run(estop_step()), "inverted");
 }
 
 TEST(SwitchStep, NamesSwappedLines) {
   panel.swapped = true;
-  expect(panel.run(SwitchStep::key()), "lines_swapped");
+  expect(panel.run(key_step()), "lines_swapped");
   panel = Panel();
   panel.swapped = true;
   panel.key_on = true;
   panel.estop_released = false;
-  expect(panel.run(SwitchStep::estop()), "lines_swapped");
+  expect(panel.run(estop_step()), "lines_swapped");
 }
 
 TEST(SwitchStep, NamesALineWithoutItsPull) {
   panel.key_pull = panel.estop_pull = false;
-  expect(panel.run(SwitchStep::key()), "");
-  expect(panel.run(SwitchStep::key_wire()), "missing_pull");
+  expect(panel.run(key_step()), "");
+  expect(panel.run(key_wire_step()), "missing_pull");
   panel.key_wire = true;
-  expect(panel.run(SwitchStep::estop()), "");
-  expect(panel.run(SwitchStep::estop_wire()), "missing_pull");
+  expect(panel.run(estop_step()), "");
+  expect(panel.run(estop_wire_step()), "missing_pull");
 }
 
 TEST(SwitchStep, NamesALineThatDoesNotMove) {
   panel.key_dead = true;
-  expect(panel.run(SwitchStep::key()), "stuck");
+  expect(panel.run(key_step()), "stuck");
 }
 
 TEST(SwitchStep, WaitsAsLongAsThePersonIsGiven) {
-  expect(panel.run(SwitchStep::key(), std::chrono::seconds{3}), "");
+  expect(panel.run(key_step(), std::chrono::seconds{3}), "");
   panel = Panel();
-  expect(panel.run(SwitchStep::key(), std::chrono::seconds{1}), "stuck");
+  expect(panel.run(key_step(), std::chrono::seconds{1}), "stuck");
 }

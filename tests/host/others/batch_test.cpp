@@ -1,14 +1,16 @@
 // strobe batch: the photographs of many sessions measured again. However the work is divided, stopped and gone on with, the
-// results are the same bytes.
+// results are the same bytes. And what results.csv holds is in the JSON, too.
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "host/config/notes.hpp"
+#include "host/session/data_dictionary.hpp"
 #include "tests/host/others/stored_photographs.hpp"
 #include "tests/support/program_run.hpp"
-
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;
@@ -52,6 +54,18 @@ std::size_t lines_in(const fs::path& file) {
 /// Of a table whose cells need no quotes, without its first line.
 std::string cell(const testing::CsvTable& table, std::size_t row, const char* column) {
   return table.rows.at(row).at(table.column(column));
+}
+
+/// Where the JSON of a result has the column; notes are in its record if they were made.
+nlohmann::json::json_pointer place_of(const std::string& column) {
+  for (const std::string prefix : {"sd_systematic_", "sd_"}) {
+    if (column.starts_with(prefix))
+      return nlohmann::json::json_pointer("/" + prefix.substr(0, prefix.size() - 1) + "/" +
+                                          column.substr(prefix.size()));
+  }
+  const bool note =
+      std::ranges::find(host::kNamedNotes, column) != host::kNamedNotes.end() || column == "other_notes";
+  return nlohmann::json::json_pointer(note ? "/record" : "/" + column);
 }
 
 }  // namespace
@@ -212,4 +226,20 @@ TEST(Batch, RefusesWhatItCannotDo) {
       "batch: --frames keeps the calibration that the frames were digitized with; leave --calibration out");
   const auto no_rig = run_both("a", {"--rig", out / "none.toml"}, 2);
   STRCMP_CONTAINS("none.toml", no_rig.err.c_str());
+}
+
+TEST_GROUP(JsonOfResults){};
+
+TEST(JsonOfResults, HoldsEveryColumnThatALogTells) {
+  const fs::path session = stored().path() / "monday";
+  const auto results =
+      jsons_of(testing::run_program({kStrobe, "replay", session / "host-20260131T093000Z.lcmlog", "--json"},
+                                    {{"STROBE_KEY_FILE", stored().key_file()}}));
+  LONGS_EQUAL(3, results.size());
+  for (const host::Column& column : host::results_columns()) {
+    // A log's readouts are the same bytes whenever they are computed, and whatever its session calls its shots and made
+    // of them afterwards; Batch.PrintsEveryColumn has these columns.
+    if (column.name == "utc" || column.name == "shot" || column.name == "digitization") continue;
+    CHECK_TEXT(results[0].contains(place_of(column.name)), column.name.c_str());
+  }
 }

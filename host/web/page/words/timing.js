@@ -1,5 +1,5 @@
 // The firmware's timing in sentences. Pure.
-import { count, fixed, microseconds, rounded } from "./numbers.js";
+import { count, fixed, microseconds } from "./numbers.js";
 
 export const TIMINGS = [
   {
@@ -46,14 +46,9 @@ export function spread(h) {
 export function clockWords(clock) {
   if (!clock) return "";
   const parts = [];
-  if (Number.isFinite(clock.drift_ppm))
-    parts.push(
-      `drifts by ${rounded(clock.drift_ppm, clock.drift_sd_ppm)} ± ${rounded(clock.drift_sd_ppm, clock.drift_sd_ppm)} ppm`,
-    );
-  if (Number.isFinite(clock.offset_sd_s))
-    parts.push(`its offset is known to ± ${microseconds(clock.offset_sd_s * 1e6)}`);
+  if (Number.isFinite(clock.drift_ppm)) parts.push(`drifts by ${fixed(clock.drift_ppm, 1)} ppm`);
   if (Number.isFinite(clock.latency_s))
-    parts.push(`the last heartbeat came ${fixed(clock.latency_s * 1e3, 2)} ms against the usual`);
+    parts.push(`the last heartbeat came ${fixed(clock.latency_s * 1e3, 2)} ms after the fastest`);
   const words = parts.length
     ? `The firmware's clock ${parts.join("; ")}.`
     : "The firmware's clock is not yet known.";
