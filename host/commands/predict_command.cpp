@@ -225,7 +225,7 @@ void print_trajectory(const impact::ContactTrajectory& contact, int samples) {
   for (int i = 0; i < samples; ++i) {
     const ordered_json state = state_json(contact, i, samples);
     std::string names, values;
-    for (const auto& [name, value] : state.items()) {
+    for (const auto& [name, value] : state.get_ref<const ordered_json::object_t&>()) {
       const std::string text =
           value.is_string() ? value.get<std::string>() : fmt::format("{}", value.get<double>());
       names += (names.empty() ? "" : ",") + name;
