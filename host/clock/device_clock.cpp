@@ -6,22 +6,6 @@
 #include <iterator>
 
 namespace strobe::host {
-namespace {
-
-// Longer, and the crystals' wander would count.
-constexpr Duration kWindow = std::chrono::minutes{2};
-constexpr std::size_t kMaxHeard = 400;
-// Before, the fastest message so far stands in for the line.
-constexpr std::size_t kMinForLine = 40;
-// A message that comes earlier than this was not sent by the clock that is known here.
-constexpr double kTooEarly_s = 0.005;
-// Heartbeats that are all late by as much as this, and by the same, are not late: the clock was stopped.
-constexpr double kTooLate_s = 0.25;
-constexpr double kAlike_s = 0.05;
-constexpr std::size_t kLateInARow = 8;
-constexpr std::size_t kMaxKept = 64;
-// Kernels discipline a clock by 500 ppm at most; two may be disciplined.
-constexpr double kPlausibleDrift = 1.1e-3;
 
 struct Heartbeat {
   MonoTime sent;
@@ -40,6 +24,23 @@ struct Line {
 struct Point {
   double sent_s = 0.0, offset_s = 0.0;
 };
+
+namespace {
+
+// Longer, and the crystals' wander would count.
+constexpr Duration kWindow = std::chrono::minutes{2};
+constexpr std::size_t kMaxHeard = 400;
+// Before, the fastest message so far stands in for the line.
+constexpr std::size_t kMinForLine = 40;
+// A message that comes earlier than this was not sent by the clock that is known here.
+constexpr double kTooEarly_s = 0.005;
+// Heartbeats that are all late by as much as this, and by the same, are not late: the clock was stopped.
+constexpr double kTooLate_s = 0.25;
+constexpr double kAlike_s = 0.05;
+constexpr std::size_t kLateInARow = 8;
+constexpr std::size_t kMaxKept = 64;
+// Kernels discipline a clock by 500 ppm at most; two may be disciplined.
+constexpr double kPlausibleDrift = 1.1e-3;
 
 double left_turn(const Point& a, const Point& b, const Point& c) {
   return (b.sent_s - a.sent_s) * (c.offset_s - a.offset_s) -

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <opencv2/core/utility.hpp>
 
-#include "host/digitize/core/eigen.hpp"
 #include "host/digitize/core/statistics.hpp"
 
 namespace strobe::digitize {

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "common/geometry/line.hpp"
-#include "host/digitize/core/eigen.hpp"
 #include "host/digitize/path/flight_legs.hpp"
 
 namespace strobe::digitize {

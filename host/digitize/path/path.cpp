@@ -10,7 +10,6 @@
 #include <optional>
 
 #include "common/flight/gravity.hpp"
-#include "host/digitize/core/eigen.hpp"
 #include "host/digitize/core/statistics.hpp"
 #include "host/digitize/path/flight_legs.hpp"
 #include "host/digitize/path/leg_line.hpp"

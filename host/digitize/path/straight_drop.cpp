@@ -55,18 +55,18 @@ struct Fall {
 std::uint64_t bit(int image) { return std::uint64_t{1} << static_cast<unsigned>(image); }
 
 /// Of an image where a flight predicts it, against one anywhere: ln of the ratio of likelihoods.
-double information(std::span<const DropImage> images, const DropScene& scene) {
+double information(std::span<const DropImage> images, const PathContext& context) {
   double highest_px = 0.0;
   for (const DropImage& image : images) highest_px = std::max(highest_px, image.height_px);
-  return std::log(std::max(2.0, highest_px / (2.0 * kToleranceOfDiameter * scene.diameter_px)));
+  return std::log(std::max(2.0, highest_px / (2.0 * kToleranceOfDiameter * context.diameter_px)));
 }
 
 class FallSearch {
  public:
-  FallSearch(std::span<const DropImage> images, const DropScene& scene, std::vector<double> times_s)
-      : images_(images), scene_(scene), times_s_(std::move(times_s)) {
+  FallSearch(std::span<const DropImage> images, const PathContext& context, std::vector<double> times_s)
+      : images_(images), context_(context), times_s_(std::move(times_s)) {
     for (const DropImage& image : images) highest_px_ = std::max(highest_px_, image.height_px);
-    information_ = information(images, scene);
+    information_ = information(images, context);
   }
 
   std::vector<Fall> run() {
@@ -97,18 +97,18 @@ class FallSearch {
   double time_s(int flash) const { return times_s_[static_cast<std::size_t>(flash)]; }
 
   double tolerance(int i) const {
-    return std::max(kToleranceOfDiameter * scene_.diameter_px,
+    return std::max(kToleranceOfDiameter * context_.diameter_px,
                     kTolerance_sd * images_[static_cast<std::size_t>(i)].sd_px);
   }
 
   /// Velocity up at `a`, if the ball flies from `a` to `b`, either of them first.
   double velocity_at(const Fall::Place& a, const Fall::Place& b) const {
     const double dt = time_s(b.flash) - time_s(a.flash);
-    return (b.height_px - a.height_px) / dt + 0.5 * scene_.gravity_pxps2 * dt;
+    return (b.height_px - a.height_px) / dt + 0.5 * context_.gravity_pxps2 * dt;
   }
 
   double height_at(const Fall::Place& from, double velocity, double dt) const {
-    return from.height_px + velocity * dt - 0.5 * scene_.gravity_pxps2 * dt * dt;
+    return from.height_px + velocity * dt - 0.5 * context_.gravity_pxps2 * dt * dt;
   }
 
   int nearest_image(double height_px, std::uint64_t used) const {
@@ -125,7 +125,7 @@ class FallSearch {
 
   /// Where the last images lead to: few enough for the air to change little, enough for one bad one to do little.
   double predicted_px(const std::vector<Fall::Place>& places, int flash) const {
-    geometry::LegFit fit(Eigen::Vector2d(0.0, -scene_.gravity_pxps2));
+    geometry::LegFit fit(Eigen::Vector2d(0.0, -context_.gravity_pxps2));
     for (std::size_t k = places.size(); k-- > 0 && fit.count() < kLastImages;)
       if (places[k].image >= 0) fit.add(time_s(places[k].flash), {0.0, places[k].height_px});
     return fit.path().position_at(time_s(flash) - fit.mean_time_s()).y();
@@ -136,7 +136,8 @@ class FallSearch {
     for (int flash = places.back().flash + step; flash >= 0 && flash < static_cast<int>(times_s_.size());
          flash += step) {
       const double height_px = predicted_px(places, flash);
-      if (height_px < 0.5 * scene_.diameter_px || height_px > highest_px_ + kOneOutline * scene_.diameter_px)
+      if (height_px < 0.5 * context_.diameter_px ||
+          height_px > highest_px_ + kOneOutline * context_.diameter_px)
         return;
       // At the top of its flight.
       if ((step < 0) != (height_px > places.back().height_px)) return;
@@ -170,13 +171,13 @@ class FallSearch {
   }
 
   void finish(Fall fall) {
-    geometry::LegFit fit(Eigen::Vector2d(0.0, -scene_.gravity_pxps2));
+    geometry::LegFit fit(Eigen::Vector2d(0.0, -context_.gravity_pxps2));
     for (const Fall::Place& p : fall.places)
       if (p.image >= 0) fit.add(time_s(p.flash), {0.0, p.height_px});
     const auto lowest = std::ranges::find_if(fall.places.rbegin(), fall.places.rend(),
                                              [](const Fall::Place& p) { return p.image >= 0; });
     const double nearest_s = time_s(lowest->flash);
-    const auto touch = geometry::crossing(fit, 0.5 * scene_.diameter_px, nearest_s);
+    const auto touch = geometry::crossing(fit, 0.5 * context_.diameter_px, nearest_s);
     if (!touch || !(touch->velocity.y() < 0.0)) return;
     fall.speed_pxps = -touch->velocity.y();
     fall.touch_s = touch->time_s;
@@ -188,7 +189,7 @@ class FallSearch {
   }
 
   std::span<const DropImage> images_;
-  const DropScene& scene_;
+  const PathContext& context_;
   std::vector<double> times_s_;
   double highest_px_ = 0.0;
   double information_ = 1.0;
@@ -285,14 +286,15 @@ StraightDrop drop_of(const Pair& best, int flashes, double diameter_px) {
 
 }  // namespace
 
-std::optional<StraightDrop> split_drop(std::span<const DropImage> images, const DropScene& scene) {
-  if (images.size() < 4 || images.size() > kMaxImages || scene.flash_times_s.size() < 4) return std::nullopt;
-  const std::vector<double> times(scene.flash_times_s.begin(), scene.flash_times_s.end());
-  const std::vector<Fall> downs = FallSearch(images, scene, times).run();
-  const std::vector<Fall> ups = FallSearch(images, scene, reversed(times)).run();
-  const auto best = likeliest(pairs_of(downs, ups, information(images, scene)));
+std::optional<StraightDrop> split_drop(std::span<const DropImage> images, const PathContext& context) {
+  if (images.size() < 4 || images.size() > kMaxImages || context.flash_times_s.size() < 4)
+    return std::nullopt;
+  const std::vector<double> times(context.flash_times_s.begin(), context.flash_times_s.end());
+  const std::vector<Fall> downs = FallSearch(images, context, times).run();
+  const std::vector<Fall> ups = FallSearch(images, context, reversed(times)).run();
+  const auto best = likeliest(pairs_of(downs, ups, information(images, context)));
   if (!best || best->down == nullptr || best->up == nullptr) return std::nullopt;
-  StraightDrop drop = drop_of(*best, static_cast<int>(times.size()), scene.diameter_px);
+  StraightDrop drop = drop_of(*best, static_cast<int>(times.size()), context.diameter_px);
   if (drop.down.image.size() < 2 || drop.up.image.size() < 2) return std::nullopt;
   for (const DropImage& image : images) {
     double off = std::numeric_limits<double>::infinity();
@@ -324,7 +326,7 @@ void take_drop_images(std::span<const PathPoint> points, std::vector<int> images
   }
   path.straight = true;
   path.ambiguous.clear();
-  const auto drop = split_drop(heights, {context.diameter_px, context.gravity_pxps2, context.flash_times_s});
+  const auto drop = split_drop(heights, context);
   if (!drop) {
     path.legs = {std::move(images)};
     return;

@@ -16,12 +16,6 @@ struct DropImage {
   double sd_px = 0.0;
 };
 
-struct DropScene {
-  double diameter_px = 0.0;
-  double gravity_pxps2 = 0.0;             ///< towards the surface, >= 0
-  std::span<const double> flash_times_s;  ///< ascending
-};
-
 struct StraightDrop {
   struct Flight {
     std::vector<int> image;   ///< in order of time
@@ -37,7 +31,7 @@ struct StraightDrop {
 
 /// The two flights that explain the most images and leave the fewest of their own unseen. Returns nullopt unless they
 /// are a thousand times likelier than flights of other speeds; each has two images or more.
-std::optional<StraightDrop> split_drop(std::span<const DropImage> images, const DropScene& scene);
+std::optional<StraightDrop> split_drop(std::span<const DropImage> images, const PathContext& context);
 
 // The path of a ball that goes straight down and up. Deterministic; thread-safe; allocates.
 

@@ -8,7 +8,6 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "host/digitize/core/eigen.hpp"
 #include "host/digitize/core/statistics.hpp"
 #include "host/digitize/surface/edge_line.hpp"
 #include "host/digitize/surface/edge_refinement.hpp"

@@ -2,6 +2,8 @@
 // thread-safe; allocates.
 #pragma once
 
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <span>
 #include <vector>
@@ -12,6 +14,10 @@
 #include "host/digitize/image/photograph.hpp"
 
 namespace strobe::digitize {
+
+/// Between OpenCV's points and Eigen's vectors, which common/geometry uses.
+inline Eigen::Vector2d to_eigen(cv::Point2d p) { return {p.x, p.y}; }
+inline cv::Point2d to_point(const Eigen::Vector2d& v) { return {v.x(), v.y()}; }
 
 struct SurfaceLine {
   std::vector<cv::Point2d> points;  ///< plane px, left to right, at least 2

@@ -58,7 +58,9 @@ std::vector<DropImage> seen(const std::vector<Drop::Image>& images, double error
   return result;
 }
 
-DropScene scene(std::span<const double> times) { return {kDiameter_px, kGravity_pxps2, times}; }
+PathContext scene(std::span<const double> times) {
+  return {kDiameter_px, true, 0.0, times, kGravity_pxps2};
+}
 
 }  // namespace
 
