@@ -1,5 +1,6 @@
-// Weighted linear regression of a number or a vector on one variable. Plain value; thread-safe, real-time
-// safe, no allocation.
+// A leg of the ball's flight: the path through the centres of its images, and where it meets the surface; and the
+// regression that it is fitted by. Lengths are in any one unit (m, or px of the photograph). Plain values; thread-safe,
+// real-time safe, no allocation.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +11,7 @@
 
 namespace strobe::geometry {
 
-/// value = mean + slope (x - mean_x), by weighted least squares, one sample at a time.
+/// Linear regression of a number or a vector on one variable: value = mean + slope (x - mean_x), by weighted least squares, one sample at a time.
 /// Source: West, Updating mean and variance estimates, CACM 22 (1979): however unlike the weights, no moment
 /// vanishes by rounding. Value: double or a fixed-size Eigen vector whose components share the weights.
 template <typename Value>
@@ -54,10 +55,6 @@ class LinearRegression {
   double sxx_ = 0.0;
   Value sxv_ = zero();
 };
-
-// A leg of the ball's flight: the path through the centres of its images, and where it meets the surface.
-// Lengths are in any one unit (m, or px of the photograph). Plain values; thread-safe, real-time safe, no
-// allocation.
 
 /// Flight under known gravity through images at known times, by weighted least squares: a straight line once
 /// gravity's fall is taken off.

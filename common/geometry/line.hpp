@@ -1,4 +1,5 @@
-// Rotation of the plane. Plain value; thread-safe, real-time safe, no allocation.
+// A straight line in the plane, and the surface's axes on a photograph: origin on the surface line, x along it, y up from
+// it. Plain values and pure functions; thread-safe, real-time safe, no allocation.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,8 +30,6 @@ class Rotation2d {
   double sin_ = 0.0;
 };
 
-// A straight line in the plane by total least squares. Pure; thread-safe, real-time safe, no allocation.
-
 /// A line through `reference + centroid`. The two are kept apart so that coordinates far from zero do not
 /// round their differences.
 struct Line {
@@ -52,9 +51,6 @@ struct Line {
 /// `min_spread` (the points are one point) or is not a number.
 std::optional<Line> fit_line(std::span<const Eigen::Vector2d> points, std::span<const double> weights = {},
                              double min_spread = 0.0);
-
-// The surface's axes on a photograph: origin on the surface line, x along it, y up from it.
-// Pure; thread-safe, real-time safe, no allocation.
 
 /// From the photograph (x right, y up) to the surface: shift to the surface points' centroid, rotation by
 /// -tilt, division by the scale and, for a ball that travels to the left, the mirror image.

@@ -1,4 +1,5 @@
-// The straight line that the equator's angles follow in a time that runs slower as the spin decays.
+// The straight line that the equator's angles follow in a time that runs slower as the spin decays, and what another
+// decay than the assumed one, which is known in its order only, makes of the angles.
 // Part of the reduction, not of its interface. Thread-safe; no allocation.
 #pragma once
 
@@ -45,9 +46,6 @@ inline SpinLine through_all(const std::vector<EquatorReading>& readings, const S
   }
   return line;
 }
-
-// A spin's decay in flight, known in its order only: what another decay than the assumed one makes of the equator's
-// angles. Part of the reduction, not of its interface. Thread-safe; no allocation.
 
 /// Cost of the readings' distances from the line, in variances up to kCostLimit each, with the decay that suits it best,
 /// from none to three times `decay_per_s`, with which the readings were stretched: a faster spin bends the angle more,

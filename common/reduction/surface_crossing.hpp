@@ -1,6 +1,5 @@
-// Forward-mode differentiation: a number together with its derivatives by N variables. Each rule is the chain
-// rule, so a readout written once as a formula gives its exact gradient for the propagation of errors.
-// Plain values; thread-safe, real-time safe.
+// A leg where it meets the surface, with derivatives by everything it hangs on. Part of the reduction, not of its
+// interface. Plain values and pure functions; thread-safe.
 #pragma once
 
 #include <array>
@@ -12,6 +11,8 @@
 
 namespace strobe::reduction {
 
+/// Forward-mode differentiation: a number together with its derivatives by N variables. Each rule is the chain
+/// rule, so a readout written once as a formula gives its exact gradient for the propagation of errors.
 template <std::size_t N>
 struct Dual {
   double value = 0.0;
@@ -82,9 +83,6 @@ Dual<N> atan2(const Dual<N>& y, const Dual<N>& x) {
   if (length == 0.0) return Dual<N>(0.0);
   return chain(y, x, std::atan2(y.value, x.value), x.value / length / length, -y.value / length / length);
 }
-
-// A leg where it meets the surface, with derivatives by everything it hangs on. Part of the reduction, not of its
-// interface. Pure; thread-safe.
 
 // Variables of the derivatives: the joint fit's unknowns, both spins, the ball's diameter, the spin's decay, and the
 // errors of the air.
