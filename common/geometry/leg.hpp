@@ -1,6 +1,6 @@
-// A leg of the ball's flight: the path through the centres of its images, and where it meets the surface; and the
-// regression that it is fitted by. Lengths are in any one unit (m, or px of the photograph). Plain values; thread-safe,
-// real-time safe, no allocation.
+// A leg of the ball's flight: the path through the centres of its images, and where it meets the surface; and
+// the regression that it is fitted by. Lengths are in any one unit (m, or px of the photograph). Plain
+// values; thread-safe, real-time safe, no allocation.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,8 @@
 
 namespace strobe::geometry {
 
-/// Linear regression of a number or a vector on one variable: value = mean + slope (x - mean_x), by weighted least squares, one sample at a time.
+/// Linear regression of a number or a vector on one variable: value = mean + slope (x - mean_x), by weighted
+/// least squares, one sample at a time.
 /// Source: West, Updating mean and variance estimates, CACM 22 (1979): however unlike the weights, no moment
 /// vanishes by rounding. Value: double or a fixed-size Eigen vector whose components share the weights.
 template <typename Value>
@@ -93,9 +94,9 @@ struct Crossing {
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< per second
 };
 
-/// Touchdown (a path that falls at nearest_s, the time of the image next to the surface) or lift-off (one that rises
-/// then): where the centre is at `height`. A leg between two bounces has both. Returns nullopt if the path does not
-/// pass it so, or has no velocity along y.
+/// Touchdown (a path that falls at nearest_s, the time of the image next to the surface) or lift-off (one
+/// that rises then): where the centre is at `height`. A leg between two bounces has both. Returns nullopt if
+/// the path does not pass it so, or has no velocity along y.
 std::optional<Crossing> crossing(const LegFit& leg, double height, double nearest_s);
 
 }  // namespace strobe::geometry

@@ -1,8 +1,7 @@
-// Which images show the ball in the air before the impact, in contact, and in the air after it.
-// Asked twice, since more is known the second time: before images are matched to flashes only order and place decide;
-// once they have times, when the other images of a leg touch the surface. What digitized the photograph may have said so
-// already: its labels are kept unless the ball touches.
-// Pure functions; thread-safe; they allocate.
+// Which images show the ball in the air before the impact, in contact, and in the air after it. Asked twice,
+// since more is known the second time: before images are matched to flashes only order and place decide; once
+// they have times, when the other images of a leg touch the surface. What digitized the photograph may have
+// said so already: its labels are kept unless the ball touches. Pure functions; thread-safe; they allocate.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,8 +30,8 @@ struct LegAssignment {
 /// Legs of images with times, in order of time. Labels are kept, except of airborne images that come after
 /// the touchdown (before the lift-off) which the other images of their leg predict. An image near the surface
 /// is judged by the predicted time of touchdown or lift-off, never by its own noisy height: choosing by
-/// height would keep the images whose error points up and make the stated errors too small.
-/// Only one that lies three sd beneath touching is in contact whatever the prediction, which leaves out the air.
+/// height would keep the images whose error points up and make the stated errors too small. Only one that
+/// lies three sd beneath touching is in contact whatever the prediction, which leaves out the air.
 /// `reference_variance_m2` is that of the surface's height and the ball's radius together.
 LegAssignment classify_timed(std::span<const TimedHeight> images, double gravity_y_mps2,
                              double reference_variance_m2);

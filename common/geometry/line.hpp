@@ -1,5 +1,5 @@
-// A straight line in the plane, and the surface's axes on a photograph: origin on the surface line, x along it, y up from
-// it. Plain values and pure functions; thread-safe, real-time safe, no allocation.
+// A straight line in the plane, and the surface's axes on a photograph: origin on the surface line, x along
+// it, y up from it. Plain values and pure functions; thread-safe, real-time safe, no allocation.
 #pragma once
 
 #include <Eigen/Core>

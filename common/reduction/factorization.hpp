@@ -1,6 +1,6 @@
-// Orthogonal factorization for the joint fit: rows are reflected to a triangle, and the triangle is kept in the blocks that
-// the elimination leaves. Part of the reduction, not of its interface. Fixed size, no allocation; thread-safe as plain
-// values.
+// Orthogonal factorization for the joint fit: rows are reflected to a triangle, and the triangle is kept in
+// the blocks that the elimination leaves. Part of the reduction, not of its interface. Fixed size, no
+// allocation; thread-safe as plain values.
 // Source: Golub, Van Loan, Matrix Computations, 4th ed., 5.2.2 (Householder QR), 6.5 (appending rows).
 #pragma once
 
@@ -13,8 +13,8 @@ namespace strobe::reduction {
 
 /// Takes the rows of a matrix (the right side is its last column) and keeps the upper triangle of its first
 /// `Pivots` columns. What the reflections leave of the other columns is handed on, row by row, so that the
-/// unknowns that a group of measurements has to itself are eliminated before those that groups share.
-/// Kept because Eigen's HouseholderQR of a leg's ten rows takes 1.9 times the instructions (5,600 against 2,900).
+/// unknowns that a group of measurements has to itself are eliminated before those that groups share. Kept
+/// because Eigen's HouseholderQR of a leg's ten rows takes 1.9 times the instructions (5,600 against 2,900).
 template <int Pivots, int Columns>
 class HouseholderQr {
  public:
@@ -87,9 +87,10 @@ class HouseholderQr {
   int count_ = 0;
 };
 
-/// Unknowns: tilt [rad], height [m] and scale (about 1) against the surface frame, then for each leg the position
-/// and the velocity in the levelled photograph, at the leg's mean time, in metres and metres per span.
-/// The equator's angle and spin of each leg, the other four of the fifteen, share no measurement with these.
+/// Unknowns: tilt [rad], height [m] and scale (about 1) against the surface frame, then for each leg the
+/// position and the velocity in the levelled photograph, at the leg's mean time, in metres and metres per
+/// span. The equator's angle and spin of each leg, the other four of the fifteen, share no measurement with
+/// these.
 inline constexpr std::size_t kTilt = 0;
 inline constexpr std::size_t kHeight = 1;
 inline constexpr std::size_t kScale = 2;
@@ -107,9 +108,10 @@ double dot(const std::array<double, N>& a, const std::array<double, N>& b) {
 }
 
 /// Square-root information matrix of the joint fit: the upper triangular R of its whitened measurements, with
-/// R^T R = inverse covariance: each leg's own four unknowns, what couples them to tilt and scale, and the three that all
-/// share. An unknown without measurements has a zero row: no variance, no change. Eigen's triangular solvers would
-/// divide by that zero, and sum in another order: readouts would change in their last digits.
+/// R^T R = inverse covariance: each leg's own four unknowns, what couples them to tilt and scale, and the
+/// three that all share. An unknown without measurements has a zero row: no variance, no change. Eigen's
+/// triangular solvers would divide by that zero, and sum in another order: readouts would change in their
+/// last digits.
 struct SquareRootInformation {
   struct Leg {
     double r[4][4] = {};         ///< upper triangle

@@ -1,5 +1,5 @@
-// A digitized photograph with the time of each image: what the reduction starts from.
-// Axes of the photograph: x right, y up, in pixels (or tablet units). Plain values and pure functions; thread-safe.
+// A digitized photograph with the time of each image: what the reduction starts from. Axes of the photograph:
+// x right, y up, in pixels (or tablet units). Plain values and pure functions; thread-safe.
 #pragma once
 
 #include <array>
@@ -36,13 +36,13 @@ struct BallImage {
   std::optional<PointPx> top_px;                        ///< top of the ball, contact images
   std::optional<double> contact_width_px;
   std::string source;  ///< "auto", "hand" or empty
-  /// In flight before or after another bounce than the frame's: for the operator only, it may have no time. Messages and
-  /// the JSON reader leave it out.
+  /// In flight before or after another bounce than the frame's: for the operator only, it may have no time.
+  /// Messages and the JSON reader leave it out.
   bool other_leg = false;
 };
 
-/// What one standard deviation of one of the camera calibration's independent errors does to the frame: all its
-/// points move together, so that no residual shows it. [px, rad]
+/// What one standard deviation of one of the camera calibration's independent errors does to the frame: all
+/// its points move together, so that no residual shows it. [px, rad]
 struct MapError {
   struct Shift {
     PointPx centre_px;
@@ -76,7 +76,8 @@ struct Frame {
                                    ///< where it is the better known
   std::optional<double>
       px_per_m_sd;  ///< 0: the calibrated scale is exact; absent: likewise, but the readout is flagged
-  /// Of the calibration that made the coordinates; what they do to the scale is not in px_per_m_sd. At most 64.
+  /// Of the calibration that made the coordinates; what they do to the scale is not in px_per_m_sd. At most
+  /// 64.
   std::vector<MapError> map_errors;
   double surface_angle_deg = 0.0;  ///< inclination of the plate against the horizontal, from an inclinometer
   std::optional<double> temperature_c;      ///< of the ball and the air, -60 to 100

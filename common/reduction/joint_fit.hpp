@@ -73,7 +73,8 @@ struct ImageRows {
   double time_s = 0.0;  ///< from the leg's origin
   Whitening white;
 
-  /// By how much an acceleration moves the image, divided by its noise. In the observations' axes, times the scale.
+  /// By how much an acceleration moves the image, divided by its noise. In the observations' axes, times the
+  /// scale.
   Eigen::Vector2d moved_by(const Eigen::Vector2d& acceleration_mps2) const {
     const double factor = 0.5 * time_s * time_s;
     const double x = factor * acceleration_mps2.x();

@@ -43,8 +43,9 @@ void mix(const Moments& m, Quantity q, Readout& readout) {
     *readout.degrees_of_freedom[q] *= std::pow(1.0 + m.between / m.within, 2);
 }
 
-// Times that differ by this share of the shortest interval change a velocity by as much to first order, and to second
-// order by its square, 2.5e-5 of the velocity: a tenth of what the best photographs leave uncertain.
+// Times that differ by this share of the shortest interval change a velocity by as much to first order, and
+// to second order by its square, 2.5e-5 of the velocity: a tenth of what the best photographs leave
+// uncertain.
 constexpr double kLinearShare = 0.005;
 
 double shortest_interval_s(const Frame& frame) {

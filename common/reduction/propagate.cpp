@@ -128,8 +128,8 @@ class Uncertainty {
     return sum;
   }
 
-  /// What the images' noise makes of the air's errors, and the range of a lift that is open; or what is left of the
-  /// tolerances of drag and lift.
+  /// What the images' noise makes of the air's errors, and the range of a lift that is open; or what is left
+  /// of the tolerances of drag and lift.
   static double by_air(const Number& a, const Number& b, const AirCovariance& covariance) {
     double sum = 0.0;
     for (std::size_t p = 0; p < kAirErrorCount; ++p) {
@@ -173,8 +173,8 @@ class Uncertainty {
   bool any_estimated_ = false;
 };
 
-/// Symmetric and positive semidefinite, to rounding: Cholesky's pivots of the correlations, each raised by the
-/// tolerance, are positive. For assertions.
+/// Symmetric and positive semidefinite, to rounding: Cholesky's pivots of the correlations, each raised by
+/// the tolerance, are positive. For assertions.
 [[maybe_unused]] bool is_covariance(const PrimaryCovariance& covariance) {
   constexpr double kTolerance = 1e-9;
   PrimaryCovariance root{};
@@ -257,9 +257,9 @@ void add_spin(const ShotFit& fit, std::size_t leg, std::vector<Response>& all) {
 
 /// Of each image, in the observations' order: the derivatives of the variables of Number by its time. [1/s]
 ///
-/// An image whose flash came later by dt is one that lies v dt nearer, and is turned omega dt less: the fit answers as
-/// to noise of the image, x by the covariance times J^T W v, spin and the air's errors likewise. Left out are products
-/// with residuals, and what the spin's change does to the lift: a thousandth of it.
+/// An image whose flash came later by dt is one that lies v dt nearer, and is turned omega dt less: the fit
+/// answers as to noise of the image, x by the covariance times J^T W v, spin and the air's errors likewise.
+/// Left out are products with residuals, and what the spin's change does to the lift: a thousandth of it.
 /// Source: Gauss-Newton's step, e.g. Bjorck, Numerical Methods for Least Squares Problems, 9.2.
 std::vector<Response> time_response(const ShotFit& fit) {
   std::vector<Response> all(fit.observations.images.size(), Response{});
@@ -393,8 +393,8 @@ class Propagation {
       readout_.by_time[i][static_cast<std::size_t>(quantity)] = dot(number.grad, time_response_[i]);
   }
 
-  /// What is missing of the change of vx that ends the slip, |slip| alpha / (1 + alpha), against its own sd: that of the
-  /// measurements, of the ball's diameter, and of its alpha.
+  /// What is missing of the change of vx that ends the slip, |slip| alpha / (1 + alpha), against its own sd:
+  /// that of the measurements, of the ball's diameter, and of its alpha.
   void regime(const Number& lost, const Number& slip) {
     const double alpha = fit_.observations.ball.alpha;
     const Number missing = short_of_rolling_mps(slip, lost, alpha);

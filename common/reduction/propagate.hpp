@@ -27,7 +27,8 @@ using Crossings = std::array<std::optional<double>, 2>;
 /// triangular factor R: the variance of a number with gradient g is |R^-T g|^2.
 Crossings propagate(const ShotFit& fit, const PropagationOptions& options, Readout& readout);
 
-/// Court pace rating of the International Tennis Federation, test methods ITF CS 01/02: points for each 1 of friction and of restitution less.
+/// Court pace rating of the International Tennis Federation, test methods ITF CS 01/02: points for each 1 of
+/// friction and of restitution less.
 inline constexpr double kFrictionPoints = 100.0;
 inline constexpr double kRestitutionPoints = 150.0;
 

@@ -34,8 +34,8 @@ void keep_nearest(Observations& all) {
   }
 }
 
-/// Kinds of which a bad one could not be singled out: images and equators of a leg, diameters of the photograph, points
-/// of the surface.
+/// Kinds of which a bad one could not be singled out: images and equators of a leg, diameters of the
+/// photograph, points of the surface.
 void flag_redundancy(const Observations& all, FlagSet& flags) {
   int centres[2] = {0, 0};
   int equators[2] = {0, 0};
@@ -81,8 +81,9 @@ void add_to_sd(const Quantities& variance, Readout& readout) {
   }
 }
 
-/// Adds what the errors of the camera's map do to sd and covariance. They move all images together, which independent noise
-/// of the images would not show: the shot is fitted once more for each error, with the same measurements in use.
+/// Adds what the errors of the camera's map do to sd and covariance. They move all images together, which
+/// independent noise of the images would not show: the shot is fitted once more for each error, with the same
+/// measurements in use.
 void add_map_errors(const ShotFit& fit, const PropagationOptions& options, const Crossings& crossings,
                     Readout& readout) {
   Quantities variance;
@@ -126,8 +127,8 @@ Readout two_point_readout(const Frame& frame, const PropagationOptions& propagat
   return readout;
 }
 
-/// Fits what the frame holds; where its surface points disagree, once more with those that agree, since the line
-/// says which images are airborne. Returns nullopt if there is no line.
+/// Fits what the frame holds; where its surface points disagree, once more with those that agree, since the
+/// line says which images are airborne. Returns nullopt if there is no line.
 std::optional<ShotFit> fit_frame(const Frame& frame, const ReduceOptions& options, bool spins_open,
                                  FlagSet& flags) {
   const FitOptions fitting{.effects = options.effects.value_or(flight::Effects{}),
@@ -150,8 +151,8 @@ std::optional<ShotFit> fit_frame(const Frame& frame, const ReduceOptions& option
 }
 
 /// Air is fitted first and left out again where it does not matter: it nearly always does, and costs nothing.
-/// `spins_open`: a first fit left open which spin it was. Its lift is then open too, and what it made of the images.
-/// `fitted` is the fit that the numbers are from.
+/// `spins_open`: a first fit left open which spin it was. Its lift is then open too, and what it made of the
+/// images. `fitted` is the fit that the numbers are from.
 Readout best_readout(const Frame& frame, const PropagationOptions& propagation, const ReduceOptions& options,
                      std::optional<ShotFit>& fitted, bool spins_open = false) {
   Readout readout = empty_readout(frame, Estimator::best);

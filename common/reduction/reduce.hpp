@@ -47,14 +47,14 @@ struct ReduceOptions {
 /// coordinates, images out of order of time. The message names the field.
 Result<Readout> reduce(const Frame& frame, Estimator estimator, const ReduceOptions& options = {});
 
-// How each image of a frame stands to what was fitted to all of them: for a person who looks at the photograph.
-// Deterministic; thread-safe; allocates; as long as reduce().
+// How each image of a frame stands to what was fitted to all of them: for a person who looks at the
+// photograph. Deterministic; thread-safe; allocates; as long as reduce().
 
 struct ImageFit {
   std::optional<Leg> leg;  ///< as the reduction took it
   bool centre_used = false, diameter_used = false, equator_used = false;
-  /// From its centre to the fitted path at its time [px]; an image that was left out has one, too. Absent: it is on no leg
-  /// that was fitted.
+  /// From its centre to the fitted path at its time [px]; an image that was left out has one, too. Absent: it
+  /// is on no leg that was fitted.
   std::optional<double> residual_px;
 };
 

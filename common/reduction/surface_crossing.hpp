@@ -1,5 +1,5 @@
-// A leg where it meets the surface, with derivatives by everything it hangs on. Part of the reduction, not of its
-// interface. Plain values and pure functions; thread-safe.
+// A leg where it meets the surface, with derivatives by everything it hangs on. Part of the reduction, not of
+// its interface. Plain values and pure functions; thread-safe.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace strobe::reduction {
 
-/// Forward-mode differentiation: a number together with its derivatives by N variables. Each rule is the chain
-/// rule, so a readout written once as a formula gives its exact gradient for the propagation of errors.
+/// Forward-mode differentiation: a number together with its derivatives by N variables. Each rule is the
+/// chain rule, so a readout written once as a formula gives its exact gradient for the propagation of errors.
 template <std::size_t N>
 struct Dual {
   double value = 0.0;
@@ -84,8 +84,8 @@ Dual<N> atan2(const Dual<N>& y, const Dual<N>& x) {
   return chain(y, x, std::atan2(y.value, x.value), x.value / length / length, -y.value / length / length);
 }
 
-// Variables of the derivatives: the joint fit's unknowns, both spins, the ball's diameter, the spin's decay, and the
-// errors of the air.
+// Variables of the derivatives: the joint fit's unknowns, both spins, the ball's diameter, the spin's decay,
+// and the errors of the air.
 inline constexpr std::size_t kSpin[2] = {kJointCount, kJointCount + 1};
 inline constexpr std::size_t kDiameter = kJointCount + 2;
 inline constexpr std::size_t kDecay = kJointCount + 3;

@@ -221,8 +221,8 @@ Quantities numbers(ShotFit moved, const PropagationOptions& propagation) {
   return readout.value;
 }
 
-/// Of an input's sd: the fit ends within a millionth of an sd, which is then a hundred-thousandth of an effect, and what
-/// is not linear in a tenth of an sd cancels to the third order.
+/// Of an input's sd: the fit ends within a millionth of an sd, which is then a hundred-thousandth of an
+/// effect, and what is not linear in a tenth of an sd cancels to the third order.
 constexpr double kStep_sd = 0.1;
 
 constexpr std::array<std::string_view, kSourceCount> kNames{"centres",
@@ -258,7 +258,8 @@ std::array<double, kQuantityCount> effects(const Inputs& inputs, const Input& in
   return by_one;
 }
 
-/// The fit ends within a millionth of an sd: differences below this share of the number's own sd are rounding.
+/// The fit ends within a millionth of an sd: differences below this share of the number's own sd are
+/// rounding.
 constexpr double kNoEffect = 1e-5;
 
 void drop_rounding(const Readout& readout, BudgetSource& source) {
@@ -307,8 +308,8 @@ class Drawing {
   boost::random::mt19937_64 random_;  ///< the same draws with every standard library
 };
 
-/// Of n sorted draws, the end below which `share` of them lie; its sd from the binomial distribution of their number
-/// there: half the distance between the draws that far on either side.
+/// Of n sorted draws, the end below which `share` of them lie; its sd from the binomial distribution of their
+/// number there: half the distance between the draws that far on either side.
 struct End {
   double value = 0.0, sd = 0.0;
 };

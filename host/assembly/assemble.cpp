@@ -22,8 +22,8 @@ using strobe_msgs::shot_t;
 
 // A machine that has warmed up repeats its lag to about 10 ms, where the rig file does not say better.
 constexpr double kMachineLagScale_s = 0.010;
-// The digitizer misses three airborne images in 36,921 (host/digitize/README.md); of images in contact, which are fewer, no more
-// is known than that they are found nearly as well.
+// The digitizer misses three airborne images in 36,921 (host/digitize/README.md); of images in contact, which
+// are fewer, no more is known than that they are found nearly as well.
 constexpr double kMissedByDigitizer = 0.001;
 
 double surface_angle_deg(const shot_t& shot, const AssemblySettings& settings) {
@@ -83,8 +83,8 @@ std::optional<matching::ArrivalPrior> arrival_prior(const shot_t& shot, const ma
 }
 
 /// Flags of the flashes from the first to the last that shows the ball. A double flash also counts where
-/// another plausible match puts it among them, and a double or missing flash next to them: if it made an image
-/// after all, a leg's images are one flash off.
+/// another plausible match puts it among them, and a double or missing flash next to them: if it made an
+/// image after all, a leg's images are one flash off.
 FlagSet flash_flags(const FlashTimes& times, const matching::FlashMatch& match, int first, int last) {
   FlagSet flags;
   const auto next_to = [first, last](int index) { return index >= first - 1 && index <= last + 1; };

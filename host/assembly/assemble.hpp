@@ -53,13 +53,13 @@ struct ShotReadout {
   std::optional<AssembledShot> assembled{};  ///< if budgets are asked for: for reduction::mixture_budget()
 };
 
-/// Assembles and reduces with the best estimator, to the mixture over the plausible assignments of flashes to images
-/// (common/reduction/mixture.hpp). A frame that cannot be reduced gives a readout without numbers.
+/// Assembles and reduces with the best estimator, to the mixture over the plausible assignments of flashes to
+/// images (common/reduction/mixture.hpp). A frame that cannot be reduced gives a readout without numbers.
 ShotReadout shot_readout(const strobe_msgs::shot_t& shot, const strobe_msgs::frame_t& frame,
                          const AssemblySettings& settings);
 
-/// Flags of the shot itself, whatever the photograph shows: aborted, events lost before the journal, missing or
-/// late feedback of the shutter.
+/// Flags of the shot itself, whatever the photograph shows: aborted, events lost before the journal, missing
+/// or late feedback of the shutter.
 reduction::FlagSet shot_flags(const strobe_msgs::shot_t& shot);
 
 }  // namespace strobe::host

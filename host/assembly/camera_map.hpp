@@ -13,7 +13,8 @@ namespace strobe::host {
 /// `height_px` is the photograph's; a calibration has its own.
 digitize::PlaneMap plane_map(const CameraTable& camera, int height_px);
 
-/// One for each of the calibration's errors, of the frame's images and surface as they are; none without a map.
+/// One for each of the calibration's errors, of the frame's images and surface as they are; none without a
+/// map.
 std::vector<reduction::MapError> map_errors(const CameraTable& camera, const reduction::Frame& frame);
 
 }  // namespace strobe::host

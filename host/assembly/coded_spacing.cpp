@@ -13,13 +13,14 @@
 namespace strobe::host {
 namespace {
 
-// A place that differs by d standard deviations of what the images tell has exp(-d^2/2 + d z) of the true one's
-// likelihood, z standard normal. In 99 of 100 shots four neighbours together, as a lattice has them, then have less
-// than kDroppedProbability: d^2/2 - 2.33 d >= ln 400.
+// A place that differs by d standard deviations of what the images tell has exp(-d^2/2 + d z) of the true
+// one's likelihood, z standard normal. In 99 of 100 shots four neighbours together, as a lattice has them,
+// then have less than kDroppedProbability: d^2/2 - 2.33 d >= ln 400.
 constexpr double kSeparation = 6.5;
 // A change of one between three images' intervals leaves residuals of 1, -2, 1 sixths.
 const double kResidualOfChange = 1.0 / std::sqrt(6.0);
-// Of a coordinate of a centre: twice that of rendered photographs (host/digitize/README.md), for real ones are less clear.
+// Of a coordinate of a centre: twice that of rendered photographs (host/digitize/README.md), for real ones
+// are less clear.
 constexpr double kDigitizerSd_px = 0.1;
 // By how much the mean interval may be longer than the period: a dozen images then lose at most one.
 constexpr double kMaxLengthening = 1.0 / 12.0;
@@ -27,8 +28,8 @@ constexpr int kImagesOfLeg = 3;
 // The longest pulse that a rig file allows: the burst must end before the shutter closes.
 constexpr Duration kLongestPulse = milliseconds{10};
 
-/// Digits of a code, the intervals in steps above the period. The pair of changes of both legs is nowhere the same: the
-/// one between three flashes of the incoming leg, and a lag later that of the rebound.
+/// Digits of a code, the intervals in steps above the period. The pair of changes of both legs is nowhere the
+/// same: the one between three flashes of the incoming leg, and a lag later that of the rebound.
 class Digits {
  public:
   Digits(int levels, std::vector<std::size_t> lags)
@@ -37,7 +38,8 @@ class Digits {
         taken_(lags_.size(), std::vector<char>(changes() * changes(), 0)),
         used_(changes(), 0) {}
 
-  /// Of each next digit that of the least cost(). Returns nullopt if at some place every digit repeats a pair.
+  /// Of each next digit that of the least cost(). Returns nullopt if at some place every digit repeats a
+  /// pair.
   std::optional<std::vector<int>> run(std::size_t count) {
     while (digits_.size() < count) {
       const auto digit = digits_.empty() ? std::optional(0) : next();
@@ -103,8 +105,8 @@ std::vector<std::size_t> lags_between_legs(Duration period) {
   return lags;
 }
 
-/// By how much intervals differ at the least. A faster ball leaves fewer images: those of three a leg are a diameter
-/// apart or more.
+/// By how much intervals differ at the least. A faster ball leaves fewer images: those of three a leg are a
+/// diameter apart or more.
 Duration step_of(Duration period, const SpacingNoise& noise) {
   const double by_centre_us = to_microseconds(period) * noise.centre_sd_of_diameter;
   const double sd_us = std::hypot(by_centre_us, 1e6 * noise.flash_time_sd_s);

@@ -1,13 +1,13 @@
 // Intervals by which a train names its flashes: images on a photograph tell which flashes made them.
 //
-// Images of a leg in steady flight leave its position and velocity open, so that only what their times have beside a
-// straight line tells flashes apart. Of three images, the fewest of which anything is left, that is the change from one
-// interval to the next. Intervals are the period and a whole number of steps more, the numbers such that no two places
-// of the train have the same change in both legs, however many flashes the contact takes between them; the step is
-// long enough that the images see the difference of one.
-// No interval is shorter than the period: images overlap no more and lamps recharge as long as in the even train.
-// Source: greedy construction as of Conway and Sloane, Lexicographic codes, IEEE Trans. Inf. Theory 32 (1986).
-// Deterministic, no I/O; thread-safe; allocates.
+// Images of a leg in steady flight leave its position and velocity open, so that only what their times have
+// beside a straight line tells flashes apart. Of three images, the fewest of which anything is left, that is
+// the change from one interval to the next. Intervals are the period and a whole number of steps more, the
+// numbers such that no two places of the train have the same change in both legs, however many flashes the
+// contact takes between them; the step is long enough that the images see the difference of one. No interval
+// is shorter than the period: images overlap no more and lamps recharge as long as in the even train.
+// Source: greedy construction as of Conway and Sloane, Lexicographic codes, IEEE Trans. Inf. Theory 32
+// (1986). Deterministic, no I/O; thread-safe; allocates.
 #pragma once
 
 #include <cstddef>
@@ -27,8 +27,9 @@ struct SpacingNoise {
   double flash_time_sd_s = 0.0;
 };
 
-/// Intervals between `flashes` flashes, in order. Fails, for a person, where no code of so many flashes exists whose
-/// intervals are long enough to be told apart and short enough that no photograph loses more than an image in twelve.
+/// Intervals between `flashes` flashes, in order. Fails, for a person, where no code of so many flashes
+/// exists whose intervals are long enough to be told apart and short enough that no photograph loses more
+/// than an image in twelve.
 Result<std::vector<Duration>> coded_intervals(Duration period, std::size_t flashes,
                                               const SpacingNoise& noise);
 

@@ -27,7 +27,8 @@ Duration lamp_delay(const shot_t& shot, const flash_t& flash) {
   return flash.lamps == kLampA ? a : flash.lamps == kLampB ? b : a + (b - a) / 2;
 }
 
-/// A flash of one lamp is when that lamp's sensor saw it; the other's may have seen it, too. kNoTime: none did.
+/// A flash of one lamp is when that lamp's sensor saw it; the other's may have seen it, too. kNoTime: none
+/// did.
 MonoTime observed(const shot_t& shot, const flash_t& flash) {
   const MonoTime a = from_ns(flash.observed_a_ns), b = from_ns(flash.observed_b_ns);
   if (known(a) && known(b)) return flash.lamps == kLampA ? a : flash.lamps == kLampB ? b : a + (b - a) / 2;

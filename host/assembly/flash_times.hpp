@@ -31,8 +31,8 @@ struct FlashTimes {
   bool in_order = true;  ///< times rise with the index
 };
 
-/// Most that the standard deviation of a flash time can be that a sensor's edge gives, where the shot does not tell
-/// less: kernel stamp and photodiode. [s]
+/// Most that the standard deviation of a flash time can be that a sensor's edge gives, where the shot does
+/// not tell less: kernel stamp and photodiode. [s]
 inline constexpr double kSensorTimeSd_s = 2e-6;
 /// The least: a photodiode's rise. [s]
 inline constexpr double kMinSensorTimeSd_s = 10e-9;
@@ -40,10 +40,11 @@ inline constexpr double kMinSensorTimeSd_s = 10e-9;
 /// [s]
 inline constexpr double kIssuedTimeSd_s = 20e-6;
 
-/// sensor_time_sd_s: of a flash time that sensors give. Absent: what the shot itself tells. From pulse to stamp it
-/// takes the lamp's delay, which differs from flash to flash, and the stamp's error, which is independent of that:
-/// the stamps' sd is no larger than these intervals', of which half the flashes give a robust estimate (median
-/// absolute deviation; Rousseeuw, Croux, J. Am. Stat. Assoc. 88, 1993), nor than kSensorTimeSd_s.
+/// sensor_time_sd_s: of a flash time that sensors give. Absent: what the shot itself tells. From pulse to
+/// stamp it takes the lamp's delay, which differs from flash to flash, and the stamp's error, which is
+/// independent of that: the stamps' sd is no larger than these intervals', of which half the flashes give a
+/// robust estimate (median absolute deviation; Rousseeuw, Croux, J. Am. Stat. Assoc. 88, 1993), nor than
+/// kSensorTimeSd_s.
 FlashTimes flash_times(const strobe_msgs::shot_t& shot, std::optional<double> sensor_time_sd_s = {});
 
 }  // namespace strobe::host

@@ -1,5 +1,5 @@
-// What a kind of trouble did to many shots: silent wrong numbers, flags, coverage; in words, tables for people and JSON
-// lines for programs. Plain values; one thread at a time.
+// What a kind of trouble did to many shots: silent wrong numbers, flags, coverage; in words, tables for
+// people and JSON lines for programs. Plain values; one thread at a time.
 #pragma once
 
 #include <array>
@@ -45,7 +45,8 @@ struct Tally {
   }
 };
 
-/// Upper limit, at 95 % one-sided confidence, of the probability of which `count` of `of` came up (Wilson 1927).
+/// Upper limit, at 95 % one-sided confidence, of the probability of which `count` of `of` came up (Wilson
+/// 1927).
 double upper_limit_95(std::int64_t count, std::int64_t of);
 
 struct Run {

@@ -1,7 +1,7 @@
-// What happened before a camera, and what is told of it: drawn at random, true and told alike unless they are made to
-// differ. The ball's flight through air is by direct integration (Runge and Kutta's fourth order), and shares no code with
-// what it tests. Axes: x in the direction of travel, y up from the surface, spin counter-clockwise positive (backspin).
-// Pure functions of plain values: thread-safe.
+// What happened before a camera, and what is told of it: drawn at random, true and told alike unless they are
+// made to differ. The ball's flight through air is by direct integration (Runge and Kutta's fourth order),
+// and shares no code with what it tests. Axes: x in the direction of travel, y up from the surface, spin
+// counter-clockwise positive (backspin). Pure functions of plain values: thread-safe.
 #pragma once
 
 #include <cmath>
@@ -24,8 +24,8 @@ struct Motion {
   double omega_radps = 0.0;
 };
 
-/// dv/dt = g - q C_D |v| v + q C_L |v| (z x v), q = density pi R^2 / (2 m), C_L = R omega / (2 R |omega| + |v|);
-/// domega/dt = -decay |v| omega.
+/// dv/dt = g - q C_D |v| v + q C_L |v| (z x v), q = density pi R^2 / (2 m), C_L = R omega / (2 R |omega| +
+/// |v|); domega/dt = -decay |v| omega.
 struct Forces {
   double gx_mps2 = 0.0, gy_mps2 = 0.0;
   double drag_per_m = 0.0;  ///< q C_D
@@ -34,11 +34,13 @@ struct Forces {
   double radius_m = 0.0325;
 };
 
-/// By gravity, drag, Magnus lift and the spin's decay: the motion `duration_s` later, or earlier where it is negative. Steps of at most 2 ms: forces change by some
-/// hundredths in one, so that the error is below 1e-10 of the forces' part.
+/// By gravity, drag, Magnus lift and the spin's decay: the motion `duration_s` later, or earlier where it is
+/// negative. Steps of at most 2 ms: forces change by some hundredths in one, so that the error is below 1e-10
+/// of the forces' part.
 Motion flown(const Motion& from, const Forces& forces, double duration_s);
 
-/// Draws of one shot, repeatable from its seed with every compiler and library. Plain value: thread-safe per object.
+/// Draws of one shot, repeatable from its seed with every compiler and library. Plain value: thread-safe per
+/// object.
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t stream, std::uint64_t shot)
@@ -96,8 +98,8 @@ struct Settings {
   bool noise_stated = true;                ///< false: frames without any sd of the measurements
 };
 
-/// Impact of a sphere: restitution e, friction mu, a tangential restitution e_x, and the normal force `offset_m` ahead
-/// of the centre.
+/// Impact of a sphere: restitution e, friction mu, a tangential restitution e_x, and the normal force
+/// `offset_m` ahead of the centre.
 struct ImpactParameters {
   double vx_mps = 15.0, vy_mps = -7.0, omega_radps = 0.0;  ///< at touchdown
   double e = 0.75, mu = 0.55, e_x = 0.0, offset_m = 0.0;
@@ -150,8 +152,8 @@ struct Bounce {
 Bounce bounce(const Scene& scene);
 Forces forces(const Scene& scene);
 
-/// An undisturbed scene: what is told is true within its stated tolerance, air and alpha are as assumed, the spins below
-/// 80 % of what the train resolves.
+/// An undisturbed scene: what is told is true within its stated tolerance, air and alpha are as assumed, the
+/// spins below 80 % of what the train resolves.
 Scene drawn_scene(const Settings& settings, Random& random);
 
 /// Makes the period so long, up to 15 ms, that most spins exceed what the train resolves.

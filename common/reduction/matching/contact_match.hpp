@@ -32,7 +32,8 @@ struct ContactFlashes {
 };
 
 /// The most likely flashes of the contact images among those between the legs, by dynamic programming. Model:
-/// along the surface a cubic that keeps both velocities, into it a half sine. Allocates in its first matches only.
+/// along the surface a cubic that keeps both velocities, into it a half sine. Allocates in its first matches
+/// only.
 class ContactMatcher {
  public:
   /// What is given is kept, not copied.

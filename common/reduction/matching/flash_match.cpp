@@ -119,8 +119,8 @@ class Matcher {
     pairs_.push_back(pair);
   }
 
-  /// Noise larger than stated shows in the best match's own residuals and makes the others less unlikely. What chance
-  /// explains is not taken for it: weights would be too even, and the mixture too wide.
+  /// Noise larger than stated shows in the best match's own residuals and makes the others less unlikely.
+  /// What chance explains is not taken for it: weights would be too even, and the mixture too wide.
   double noise_scale(double chi_squared) const {
     constexpr double kStated = std::numeric_limits<double>::infinity();
     const double dof = degrees_of_freedom(track_);
@@ -171,8 +171,8 @@ class Matcher {
     return all;
   }
 
-  /// Without the patterns of gaps that are implausible together, such as an image in contact that nobody found, and of
-  /// the others without the least likely hypotheses.
+  /// Without the patterns of gaps that are implausible together, such as an image in contact that nobody
+  /// found, and of the others without the least likely hypotheses.
   std::vector<FlashAssignment> likeliest(double scale) {
     std::vector<FlashAssignment> all;
     std::vector<Pattern> patterns;
@@ -298,14 +298,15 @@ bool can_be_left_out(const Track& track, std::size_t image) {
   return leg == Leg::contact || std::ranges::count(track.images, leg, &TrackPoint::leg) > kFewestLeft;
 }
 
-/// -2 ln of the likelihood, less what noise alone makes of it: so that one of fewer images in the air is not preferred.
+/// -2 ln of the likelihood, less what noise alone makes of it: so that one of fewer images in the air is not
+/// preferred.
 double beyond_expected(const Track& track, const FlashMatch& match) {
   const auto airborne = std::ranges::count_if(track.images, is_airborne);
   return match.chi_squared + match.penalty - 2.0 * static_cast<double>(airborne);
 }
 
-/// Whether the images but this one are of flashes at the same times after the first, as those of an even train are but
-/// for microseconds.
+/// Whether the images but this one are of flashes at the same times after the first, as those of an even
+/// train are but for microseconds.
 bool is_as_before(std::span<const double> times_s, const FlashMatch& match, const FlashMatch& others,
                   std::size_t image) {
   std::vector<int> before = match.hypotheses.front().flash;

@@ -83,8 +83,8 @@ struct Drift {
   Eigen::Vector2d sd_pxps2 = Eigen::Vector2d::Zero();
 };
 
-/// Gravity and drag at the leg's mean velocity. A spin is not known here: the lift is anywhere between the greatest of
-/// topspin and of backspin.
+/// Gravity and drag at the leg's mean velocity. A spin is not known here: the lift is anywhere between the
+/// greatest of topspin and of backspin.
 Drift drift_of(const Track& track, const Eigen::Vector2d& velocity_pxps) {
   Drift drift{track.gravity_pxps2, Eigen::Vector2d::Zero()};
   const double speed_mps = velocity_pxps.norm() / track.px_per_m;
@@ -97,9 +97,9 @@ Drift drift_of(const Track& track, const Eigen::Vector2d& velocity_pxps) {
   return drift;
 }
 
-/// Squared residuals of both coordinates, along and across the path, over their variances: of the centres, of the
-/// flashes' times along the path, and of the acceleration, which bends all of a leg's images together. The last is
-/// an unknown with a prior (Koch, Parameter Estimation and Hypothesis Testing, 3.2).
+/// Squared residuals of both coordinates, along and across the path, over their variances: of the centres, of
+/// the flashes' times along the path, and of the acceleration, which bends all of a leg's images together.
+/// The last is an unknown with a prior (Koch, Parameter Estimation and Hypothesis Testing, 3.2).
 double chi_squared(std::span<const TrackPoint> images, std::span<const double> times_s,
                    std::span<const int> flash, const geometry::LegFit& fit, const Track& track,
                    const Eigen::Vector2d& acceleration_sd) {

@@ -20,8 +20,8 @@ struct LegCandidate {
   int missed = 0;  ///< flashes between the first and the last whose image was not found
   geometry::LegFit fit{
       Eigen::Vector2d::Zero()};  ///< centres in px, weighted by 1 / TrackPoint::variance_share
-  /// -2 ln of how likely the centres are at these times, but for a constant: both coordinates, in variances of the
-  /// centres, of the flashes' times and of the air's pull. 2 count - 4 degrees of freedom.
+  /// -2 ln of how likely the centres are at these times, but for a constant: both coordinates, in variances
+  /// of the centres, of the flashes' times and of the air's pull. 2 count - 4 degrees of freedom.
   double chi_squared = 0.0;
   std::optional<geometry::Crossing> crossing;  ///< touchdown or lift-off: the centre is a radius up
 
@@ -30,8 +30,8 @@ struct LegCandidate {
   int last() const { return flash.back(); }
 };
 
-/// Candidates in ascending order of their first flash. times_s: observed flashes, ascending. A leg without images
-/// has one empty candidate; a leg of one image may have been made by any flash.
+/// Candidates in ascending order of their first flash. times_s: observed flashes, ascending. A leg without
+/// images has one empty candidate; a leg of one image may have been made by any flash.
 std::vector<LegCandidate> leg_candidates(std::span<const TrackPoint> images, std::span<const double> times_s,
                                          const Track& track);
 

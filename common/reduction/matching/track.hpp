@@ -31,12 +31,14 @@ struct Track {
   double time_sd_s = 0.0;       ///< of a flash's time
 };
 
-/// A person who marks a centre by hand errs by about 0.5 mm in each coordinate, as a share of a ball's diameter.
+/// A person who marks a centre by hand errs by about 0.5 mm in each coordinate, as a share of a ball's
+/// diameter.
 inline constexpr double kHandSdOfDiameter = 0.008;
 
-/// The images' centres in the surface's axes, with their scale, noise and legs, of a frame whose images have no times
-/// yet. A leg that the frame names is kept unless the centre is clearly less than a radius above the surface; the others
-/// are classified. Air and flashes are not looked at. Returns nullopt without a surface line or any diameter.
+/// The images' centres in the surface's axes, with their scale, noise and legs, of a frame whose images have
+/// no times yet. A leg that the frame names is kept unless the centre is clearly less than a radius above the
+/// surface; the others are classified. Air and flashes are not looked at. Returns nullopt without a surface
+/// line or any diameter.
 std::optional<Track> image_track(const reduction::Frame& frame);
 
 }  // namespace strobe::matching

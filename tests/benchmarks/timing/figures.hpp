@@ -1,5 +1,5 @@
-// Lateness samples with the span of time in which a freeze of the machine would explain them, and what is made of them:
-// percentiles, rows, curves, and whether the kernel held them up.
+// Lateness samples with the span of time in which a freeze of the machine would explain them, and what is
+// made of them: percentiles, rows, curves, and whether the kernel held them up.
 #pragma once
 
 #include <cstddef>
@@ -73,8 +73,9 @@ Curve exceedance(const std::string& title, std::vector<double> values);
 /// One panel beside the other, with its data as CSV beside it. std::runtime_error if it cannot be written.
 void draw(const std::string& svg, const std::vector<Panel>& panels);
 
-/// A flash of strobed's journal as a sample: its issue; also of one that was too late to be issued, for which its shot was aborted: it counts as
-/// issued then, since the latest flashes would be missing otherwise. Returns nullopt for all other events.
+/// A flash of strobed's journal as a sample: its issue; also of one that was too late to be issued, for which
+/// its shot was aborted: it counts as issued then, since the latest flashes would be missing otherwise.
+/// Returns nullopt for all other events.
 std::optional<Sample> flash_of(const strobe_msgs::event_t& event, int cpu);
 
 /// Whether the kernel was running on a core while something on it was late, though the core did not freeze.
@@ -94,8 +95,8 @@ std::string in_words(const KernelActivity& held, Duration limit);
 /// How long after whole seconds cyclictest wakes: off the kernel's tick.
 inline constexpr Duration kAfterSecond = microseconds(500);
 
-/// cyclictest's wake-ups, from the lateness of each in their order and when the first was heard of: it prints no
-/// instants, but began at a whole second of CLOCK_MONOTONIC and half a millisecond, waits for every period
+/// cyclictest's wake-ups, from the lateness of each in their order and when the first was heard of: it prints
+/// no instants, but began at a whole second of CLOCK_MONOTONIC and half a millisecond, waits for every period
 /// from there, and leaves out those that have passed before it is done with the last. So that a freeze is
 /// looked for in the same span as for a flash: from the instant it was due.
 std::vector<Sample> wake_ups_of(const std::vector<Duration>& lateness, MonoTime first_heard, Duration period,

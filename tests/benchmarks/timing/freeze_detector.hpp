@@ -51,9 +51,9 @@ struct CoreInterrupt {
 /// with interrupts disabled, makes one late. Each costs some 2 us. Single-threaded.
 class CoreInterrupts {
  public:
-  /// Returns nullopt if the kernel refuses (it needs root, CAP_PERFMON or perf_event_paranoid below 1), or never
-  /// starts them within 30 us of a whole millisecond. The calling thread moves to the core meanwhile, with
-  /// real-time priority 1.
+  /// Returns nullopt if the kernel refuses (it needs root, CAP_PERFMON or perf_event_paranoid below 1), or
+  /// never starts them within 30 us of a whole millisecond. The calling thread moves to the core meanwhile,
+  /// with real-time priority 1.
   static std::optional<CoreInterrupts> open(int cpu);
   CoreInterrupts(CoreInterrupts&& other) noexcept;
   CoreInterrupts& operator=(CoreInterrupts&&) = delete;
@@ -123,7 +123,8 @@ class FreezeDetector {
 /// "120 stops of a core, 793 ms in all, longest 40 ms": `by` tells what they were seen by.
 std::string freezes_in_words(const std::vector<Freeze>& freezes, FreezeDetector::Method by);
 
-/// Whether a core stood still for a hundredth of that time and more: such a machine gives no real time to judge by.
+/// Whether a core stood still for a hundredth of that time and more: such a machine gives no real time to
+/// judge by.
 bool stands_still_often(const std::vector<Freeze>& freezes, Duration watched);
 
 /// Whether the span [from, to] touches a freeze of that core; cpu -1: of any.

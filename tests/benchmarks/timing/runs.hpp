@@ -1,5 +1,6 @@
-// What is timed, and beside what. The shipped loop: Sequencer, ShotPlayer, clock, LoopQueue and GpioInputs, GpioOutputs as strobed has them, in a
-// process of its own with libgpiod on a simulated chip, fires dry shots one after the other.
+// What is timed, and beside what. The shipped loop: Sequencer, ShotPlayer, clock, LoopQueue and GpioInputs,
+// GpioOutputs as strobed has them, in a process of its own with libgpiod on a simulated chip, fires dry shots
+// one after the other.
 #pragma once
 
 #include <filesystem>
@@ -54,15 +55,17 @@ class LoopFixture {
   std::unique_ptr<Waiter> waiter_;
 };
 
-/// The shipped programs together, strobe-sim, strobed and strobe fire, from strobed's own journal: fires dry shots (lamps and shutter only) for about `like.seconds`, with the shipped rig file; a shot with
-/// its pauses takes about one. Of `like` only seconds, priority and CPU count. `strobed`: the program, or empty
-/// for the one beside this; `time`: strobe-sim's --time. std::runtime_error if no flash was fired.
+/// The shipped programs together, strobe-sim, strobed and strobe fire, from strobed's own journal: fires dry
+/// shots (lamps and shutter only) for about `like.seconds`, with the shipped rig file; a shot with its pauses
+/// takes about one. Of `like` only seconds, priority and CPU count. `strobed`: the program, or empty for the
+/// one beside this; `time`: strobe-sim's --time. std::runtime_error if no flash was fired.
 LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& folder,
                      const std::filesystem::path& strobed = {}, const std::string& time = "real");
 
-/// Runs cyclictest of Debian's rt-tests, the reference that the loop is compared with, with the same priority, period and CPU. Its wake-ups are put half a millisecond off the kernel's
-/// tick and the freeze detector, as the loop puts its flashes: left to chance it would do worse. std::runtime_error
-/// if it cannot be run.
+/// Runs cyclictest of Debian's rt-tests, the reference that the loop is compared with, with the same
+/// priority, period and CPU. Its wake-ups are put half a millisecond off the kernel's tick and the freeze
+/// detector, as the loop puts its flashes: left to chance it would do worse. std::runtime_error if it cannot
+/// be run.
 std::vector<Sample> run_cyclictest(const LoopSettings& like);
 
 }  // namespace strobe::benchmarks::timing

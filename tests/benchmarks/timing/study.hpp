@@ -19,7 +19,8 @@ namespace strobe::benchmarks::timing {
 
 inline const std::vector<std::string> kLoads{"idle", "cpu", "memory"};
 
-/// What else the machine does while the loop is measured: processes of ordinary priority that end with this object.
+/// What else the machine does while the loop is measured: processes of ordinary priority that end with this
+/// object.
 class Load {
  public:
   /// "idle": nothing; "cpu": one busy process a core; "memory": one process a core that copies 64 MiB to and
