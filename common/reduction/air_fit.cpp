@@ -53,14 +53,8 @@ Normal normal_equations(const Observations& all, const JointFit& joint, const Ai
     const std::array<std::size_t, 2> errors{kDragError, kLiftError[leg]};
     const std::array<Eigen::Vector2d, 2> moved{rows.moved_by(pull[leg][0]), rows.moved_by(pull[leg][1])};
     for (std::size_t e = 0; e < 2; ++e) {
-      JointVector& b = n.with_unknowns[errors[e]];
-      for (std::size_t k = 0; k < 2; ++k) {
-        const double m = moved[e][index(k)];
-        for (std::size_t i = 0; i < 4; ++i) b[kLegStart[leg] + i] += m * rows.row[k][i];
-        b[kTilt] += m * rows.row[k][4];
-        b[kScale] += m * rows.row[k][5];
-        n.right[index(errors[e])] += m * rows.residual[k];
-      }
+      rows.add_gradient(leg, moved[e], n.with_unknowns[errors[e]]);
+      for (std::size_t k = 0; k < 2; ++k) n.right[index(errors[e])] += moved[e][index(k)] * rows.residual[k];
       for (std::size_t f = 0; f <= e; ++f)
         n.errors(index(errors[e]), index(errors[f])) += moved[e].dot(moved[f]);
     }

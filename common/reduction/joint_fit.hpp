@@ -73,6 +73,16 @@ struct ImageRows {
   double time_s = 0.0;  ///< from the leg's origin
   Whitening white;
 
+  /// Adds J^T v: by the fit's unknowns, the gradient of a number that follows both measurements by v.
+  void add_gradient(std::size_t leg, const Eigen::Vector2d& v, JointVector& sum) const {
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double by = v[static_cast<Eigen::Index>(k)];
+      for (std::size_t i = 0; i < 4; ++i) sum[kLegStart[leg] + i] += by * row[k][i];
+      sum[kTilt] += by * row[k][4];
+      sum[kScale] += by * row[k][5];
+    }
+  }
+
   /// By how much an acceleration moves the image, divided by its noise. In the observations' axes, times the
   /// scale.
   Eigen::Vector2d moved_by(const Eigen::Vector2d& acceleration_mps2) const {

@@ -199,24 +199,13 @@ using Response = decltype(Number::grad);
 /// The two whitened measurements of an image's centre, and how they change with its time.
 struct Moved {
   ImageRows rows;
-  double by_time[2];
-
-  /// J^T W v
-  JointVector right(std::size_t leg) const {
-    JointVector sum{};
-    for (std::size_t k = 0; k < 2; ++k) {
-      for (std::size_t i = 0; i < 4; ++i) sum[kLegStart[leg] + i] += rows.row[k][i] * by_time[k];
-      sum[kTilt] += rows.row[k][4] * by_time[k];
-      sum[kScale] += rows.row[k][5] * by_time[k];
-    }
-    return sum;
-  }
+  Eigen::Vector2d by_time;
 };
 
 Moved moved_by_time(const ShotFit& fit, const geometry::Rotation2d& tilt, const Observation& o) {
   const JointFit& joint = fit.joint;
   const std::size_t leg = leg_index(*o.leg);
-  Moved moved{image_rows(fit.observations, joint, tilt, o), {}};
+  Moved moved{image_rows(fit.observations, joint, tilt, o), Eigen::Vector2d::Zero()};
   const double t = moved.rows.time_s;
   const flight::Forcing& forcing = joint.forcing[leg];
   const Eigen::Vector2d gained = t * (forcing.acceleration_mps2 + 0.5 * t * forcing.jerk_mps3);
@@ -269,7 +258,8 @@ std::vector<Response> time_response(const ShotFit& fit) {
     if (!o.use_centre || !fit.joint.legs[leg_index(*o.leg)].fitted) continue;
     const std::size_t leg = leg_index(*o.leg);
     const Moved moved = moved_by_time(fit, tilt, o);
-    const JointVector right = moved.right(leg);
+    JointVector right{};
+    moved.rows.add_gradient(leg, moved.by_time, right);
     const JointVector unknowns = fit.joint.factor.unknowns(fit.joint.factor.whitened(right));
     std::copy(unknowns.begin(), unknowns.end(), all[i].begin());
     add_air(fit, tilt, leg, moved, right, all[i]);
