@@ -1,5 +1,5 @@
 // strobe-bench loop: the child of the timing measurements (runs.hpp). Prints the loop's processor time in
-// s, shots and aborted shots, then commanded, issue start and issue end of every flash in ns.
+// s, shots and aborted shots, then commanded and issue start of every flash in ns.
 #include <poll.h>
 #include <pthread.h>
 
@@ -53,12 +53,6 @@ Rig rig_for(const LoopSettings& settings) {
   return *rig;
 }
 
-class NoOutputs final : public OutputLines {
- public:
-  bool set(Output, bool) noexcept override { return true; }
-  bool set_lamps(Lamps) noexcept override { return true; }
-};
-
 /// ARM and FIRE in turn, as the state allows. The loop's thread only.
 class Operator final : public CommandSource {
  public:
@@ -88,7 +82,7 @@ class Operator final : public CommandSource {
 };
 
 struct Flash {
-  MonoTime commanded, start, end;
+  MonoTime commanded, start;
 };
 
 /// Empties the loop's queue, as the publisher does.
@@ -126,12 +120,12 @@ class Collector {
     ++shots;
     for (const FlashRecord& flash : shot.flashes) {
       if (known(flash.issue_start)) {
-        flashes.push_back({flash.commanded, flash.issue_start, flash.issue_end});
+        flashes.push_back({flash.commanded, flash.issue_start});
         continue;
       }
       // The one that was too late to be issued.
       ++aborted;
-      if (aborted_at_ > flash.commanded) flashes.push_back({flash.commanded, aborted_at_, aborted_at_});
+      if (aborted_at_ > flash.commanded) flashes.push_back({flash.commanded, aborted_at_});
       break;
     }
   }
@@ -159,11 +153,7 @@ int run_loop(const LoopSettings& settings) {
   SystemClock clock;
   LoopQueue queue(rig, publisher_wake);
   Operator commands(rig.plan);
-  NoOutputs nothing;
-  OutputLines& outputs =
-      settings.outputs == benchmarks::timing::Outputs::none ? static_cast<OutputLines&>(nothing) : *lines;
-  const Tick tick = settings.tick_avoidance ? find_tick(rig.real_time) : Tick{};
-  Sequencer sequencer(rig, {clock, outputs, **inputs, queue, commands}, 0, tick);
+  Sequencer sequencer(rig, {clock, *lines, **inputs, queue, commands}, 0, find_tick(rig.real_time));
   Collector collector(queue, publisher_wake);
   std::string faults = lock_memory();
   const LatencyRequest latency;
@@ -199,8 +189,8 @@ int run_loop(const LoopSettings& settings) {
   if (!faults.empty()) std::fprintf(stderr, "strobe-bench: warning: %s\n", faults.c_str());
   std::printf("%.6f %d %d\n", cpu_s, collector.shots, collector.aborted);
   for (const Flash& flash : collector.flashes)
-    std::printf("%lld %lld %lld\n", static_cast<long long>(to_ns(flash.commanded)),
-                static_cast<long long>(to_ns(flash.start)), static_cast<long long>(to_ns(flash.end)));
+    std::printf("%lld %lld\n", static_cast<long long>(to_ns(flash.commanded)),
+                static_cast<long long>(to_ns(flash.start)));
   return 0;
 }
 
@@ -213,7 +203,6 @@ void add_loop_command(CLI::App& app, int& exit_status) {
     LoopSettings settings;
     double period_us = 3000, spin_us = 200;
     std::optional<double> wake_ahead_us;
-    bool no_outputs = false, any_start = false;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("loop", "one run of the loop, for timing and spin")->group("");
@@ -223,16 +212,12 @@ void add_loop_command(CLI::App& app, int& exit_status) {
   command->add_option("--period-us", options->period_us)->check(CLI::Range(1500.0, 1e6));
   command->add_option("--spin-us", options->spin_us)->check(CLI::Range(0.0, 1000.0));
   command->add_option("--wake-ahead-us", options->wake_ahead_us)->check(CLI::Range(0.0, 20000.0));
-  command->add_flag("--no-outputs", options->no_outputs);
-  command->add_flag("--any-start", options->any_start);
   command->callback([options, &exit_status] {
     timing::LoopSettings settings = options->settings;
     settings.period = nanoseconds(static_cast<std::int64_t>(options->period_us * 1e3));
     settings.spin = nanoseconds(static_cast<std::int64_t>(options->spin_us * 1e3));
     if (options->wake_ahead_us)
       settings.wake_ahead = nanoseconds(static_cast<std::int64_t>(*options->wake_ahead_us * 1e3));
-    settings.outputs = options->no_outputs ? timing::Outputs::none : timing::Outputs::chip;
-    settings.tick_avoidance = !options->any_start;
     exit_status = run_loop(settings);
   });
 }

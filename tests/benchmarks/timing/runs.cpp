@@ -48,9 +48,7 @@ std::string command_line(const std::filesystem::path& folder, const LoopSettings
          std::to_string(settings.period / microseconds(1)) + " --spin-us " +
          std::to_string(settings.spin / microseconds(1)) +
          (settings.wake_ahead ? " --wake-ahead-us " + std::to_string(*settings.wake_ahead / microseconds(1))
-                              : "") +
-         (settings.outputs == Outputs::none ? " --no-outputs" : "") +
-         (settings.tick_avoidance ? "" : " --any-start");
+                              : "");
 }
 
 void add_flashes(const std::string& journal, int cpu, LoopRun& run) {
@@ -63,9 +61,6 @@ void add_flashes(const std::string& journal, int cpu, LoopRun& run) {
     if (event.kind == strobe_msgs::event_t::SHOT_STARTED) ++run.shots;
     if (event.kind == strobe_msgs::event_t::SHOT_ABORTED) ++run.aborted;
     if (const auto flash = flash_of(event, cpu)) run.issue.push_back(*flash);
-    if (event.kind != strobe_msgs::event_t::FLASH) continue;
-    run.done.push_back(sample_of(from_ns(event.commanded_ns), from_ns(event.issue_end_ns), cpu));
-    run.call.push_back(sample_of(from_ns(event.issue_start_ns), from_ns(event.issue_end_ns), cpu));
   }
 }
 
@@ -103,10 +98,10 @@ struct LoopFixture::Waiter {
   std::thread thread;
 };
 
-LoopFixture::LoopFixture(bool rig_waits)
-    : folder_("/dev/shm/strobe-bench-loop-" + std::to_string(getpid())), chip_(make_chip(folder_)) {
-  if (rig_waits) waiter_ = std::make_unique<Waiter>(folder_);
-}
+LoopFixture::LoopFixture()
+    : folder_("/dev/shm/strobe-bench-loop-" + std::to_string(getpid())),
+      chip_(make_chip(folder_)),
+      waiter_(std::make_unique<Waiter>(folder_)) {}
 
 LoopFixture::~LoopFixture() = default;
 
@@ -118,12 +113,9 @@ LoopRun LoopFixture::run(const LoopSettings& settings) {
   double cpu_s = 0.0;
   if (std::fscanf(pipe.get(), "%lf %d %d", &cpu_s, &run.shots, &run.aborted) != 3)
     throw std::runtime_error("the loop did not run: " + command);
-  std::int64_t commanded_ns = 0, start_ns = 0, end_ns = 0;
-  while (std::fscanf(pipe.get(), "%ld %ld %ld", &commanded_ns, &start_ns, &end_ns) == 3) {
-    const MonoTime commanded = from_ns(commanded_ns), start = from_ns(start_ns), end = from_ns(end_ns);
-    run.issue.push_back(sample_of(commanded, start, settings.cpu));
-    run.done.push_back(sample_of(commanded, end, settings.cpu));
-    run.call.push_back(sample_of(start, end, settings.cpu));
+  std::int64_t commanded_ns = 0, start_ns = 0;
+  while (std::fscanf(pipe.get(), "%ld %ld", &commanded_ns, &start_ns) == 2) {
+    run.issue.push_back(sample_of(from_ns(commanded_ns), from_ns(start_ns), settings.cpu));
   }
   if (run.issue.empty()) throw std::runtime_error("no flash was fired by: " + command);
   run.cpu_percent = 100.0 * cpu_s / (static_cast<double>(run.issue.size()) * to_seconds(settings.period));

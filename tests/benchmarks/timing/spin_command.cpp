@@ -73,7 +73,7 @@ Panel panel_of(const std::string& load, const std::vector<Cell>& cells, const st
 
 LoadFigures study(const std::string& load, const Options& options, const std::filesystem::path& folder) {
   std::vector<Cell> cells = cells_of(options);
-  LoopFixture bench(true);
+  LoopFixture bench;
   const LoadRun watched = under_load(load, options, folder, [&](int) {
     for (Cell& cell : cells) add_run(options, bench, cell);
   });

@@ -4,13 +4,12 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 
 #include "tests/benchmarks/command.hpp"
-#include "tests/benchmarks/timing/runs.hpp"
 #include "tests/benchmarks/timing/figures.hpp"
+#include "tests/benchmarks/timing/runs.hpp"
 #include "tests/benchmarks/timing/study.hpp"
 
 namespace strobe::benchmarks::timing {
@@ -18,7 +17,7 @@ namespace strobe::benchmarks::timing {
 namespace {
 
 struct Options : StudyOptions {
-  bool programs = false, compare = false;
+  bool programs = false;
   std::filesystem::path other_strobed;
 };
 
@@ -52,13 +51,8 @@ class LoadStudy {
 
  private:
   void measure() {
-    take(kLoop, loop(true, Outputs::chip, true));
+    take(kLoop, LoopFixture().run(options_.loop));
     append(part(kCyclictest).samples, run_cyclictest(options_.loop));
-    if (options_.compare) {
-      take("loop, starts anywhere", loop(true, Outputs::chip, false));
-      take("loop, no rig on the chip", loop(false, Outputs::chip, true));
-      take("loop, sets nothing", loop(false, Outputs::none, true));
-    }
     if (options_.programs) {
       take("all programs", run_programs(options_.loop, folder_));
       take("all programs, rig time", run_programs(options_.loop, folder_, {}, "wall"));
@@ -80,11 +74,6 @@ class LoadStudy {
                 ""};
         if (each.name != kCyclictest) row.ratio = ratios(row.lateness, reference);
         rows.push_back(row);
-      }
-      if (left_out && options_.compare) {
-        for (const auto& [name, samples] : calls_)
-          rows.push_back({load_, name + ": the call", "left out",
-                          percentiles(outside(samples, watched_.freezes)), -1.0, ""});
       }
     }
     return rows;
@@ -120,17 +109,10 @@ class LoadStudy {
       if (each.name == name) return each;
     return parts_.emplace_back(Part{name, {}, -1.0});
   }
-  LoopRun loop(bool rig_waits, Outputs outputs, bool tick_avoidance) {
-    LoopSettings settings = options_.loop;
-    settings.outputs = outputs;
-    settings.tick_avoidance = tick_avoidance;
-    return LoopFixture(rig_waits).run(settings);
-  }
   void take(const std::string& name, const LoopRun& run) {
     Part& taken = part(name);
     append(taken.samples, run.issue);
     if (run.cpu_percent > 0.0) taken.cpu_percent = run.cpu_percent;
-    append(calls_[name], run.call);
     shots_ += run.shots;
     aborted_ += run.aborted;
   }
@@ -142,7 +124,6 @@ class LoadStudy {
   const Options& options_;
   std::filesystem::path folder_;
   std::vector<Part> parts_;
-  std::map<std::string, std::vector<Sample>> calls_;
   LoadRun watched_;
   int shots_ = 0, aborted_ = 0;
 };
@@ -181,8 +162,6 @@ void add_timing_command(CLI::App& app, int& exit_status) {
       ->add_option("--other-strobed", options->other_strobed,
                    "also with this strobed, such as one made with another libgpiod, in turns with --programs")
       ->check(CLI::ExistingFile);
-  command->add_flag("--compare", options->compare,
-                    "also the loop with shots that start anywhere, and without the simulated rig or chip");
   command->callback([options, &exit_status] { exit_status = run_timing(*options); });
 }
 
