@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
 #include <optional>
 #include <string>
@@ -51,31 +50,11 @@ Settings settings_of(const Options& options, const std::string& noise) {
   return settings;
 }
 
-/// Says on stderr how far it is, from two seconds on.
-class Progress {
- public:
-  void at(Kind kind, std::int64_t done, std::int64_t of) {
-    const auto now = std::chrono::steady_clock::now();
-    if (now < next_) return;
-    next_ = now + std::chrono::seconds(2);
-    shown_ = true;
-    fmt::print(stderr, "\r{:<24} {} of {} shots ", name(kind), done, of);
-  }
-  ~Progress() {
-    if (shown_) fmt::print(stderr, "\r{:60}\r", "");
-  }
-
- private:
-  std::chrono::steady_clock::time_point next_ = std::chrono::steady_clock::now() + std::chrono::seconds(2);
-  bool shown_ = false;
-};
-
 std::vector<Row> run_all(const Options& options, const std::string& noise) {
-  Progress progress;
   std::vector<Row> rows;
   for (const Kind kind : chosen_kinds(options)) {
     Row row{{kind, settings_of(options, noise), options.seed, options.shots}, {}};
-    row.tally = tallied(row.run, [&](std::int64_t done) { progress.at(kind, done, options.shots); });
+    row.tally = tallied(row.run);
     rows.push_back(std::move(row));
   }
   return rows;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "common/messages/json_conversions.hpp"
@@ -222,12 +223,11 @@ double upper_limit_95(std::int64_t count, std::int64_t of) {
          (1.0 + z2 / n);
 }
 
-Tally tallied(const Run& run, const std::function<void(std::int64_t)>& progress) {
+Tally tallied(const Run& run) {
   Tally tally;
   for (std::int64_t i = 1; i <= run.shots; ++i) {
     const auto number = static_cast<std::uint64_t>(i);
     tally.add(drawn_shot(run.kind, run.settings, run.seed, number), number);
-    if (progress && i % 100 == 0) progress(i);
   }
   return tally;
 }

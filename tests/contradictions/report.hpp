@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -56,8 +55,8 @@ struct Run {
   std::int64_t shots = 20000;
 };
 
-/// Shots 1 to run.shots. `progress` is told of every hundredth.
-Tally tallied(const Run& run, const std::function<void(std::int64_t)>& progress = {});
+/// Shots 1 to run.shots.
+Tally tallied(const Run& run);
 
 struct Row {
   Run run;
