@@ -1,9 +1,7 @@
 #include "common/reduction/matching/contact_match.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -118,7 +116,6 @@ const ContactFlashes& ContactMatcher::match(const LegCandidate& in, const LegCan
     if (j > i && cost(i, j) == cost(i, j - 1)) continue;
     best_.flash[--i] = first + static_cast<int>(j) - 1;
   }
-  assert(std::ranges::adjacent_find(best_.flash, std::greater_equal<>()) == best_.flash.end());
   return best_;
 }
 
