@@ -1,8 +1,9 @@
 // A condition of the thesis (Tables 2–10) as inputs of the contact analysis. Pure; thread-safe.
 #pragma once
 
-#include "common/contact/integration/peaks.hpp"
+#include "common/contact/peaks.hpp"
 #include "common/contact/standard_error.hpp"
+#include "common/contact/stiffness.hpp"
 #include "common/data/thesis_data.hpp"
 
 namespace strobe::contact {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/sampling/random_numbers.hpp"
+#include "common/sampling/sample.hpp"
 
 namespace strobe::sampling {
 

@@ -4,10 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "common/contact/cross_validation.hpp"
-#include "common/contact/integration/peaks.hpp"
-#include "common/contact/integration/stiffness.hpp"
+#include "common/contact/peaks.hpp"
 #include "common/contact/standard_error.hpp"
+#include "common/contact/stiffness.hpp"
 
 namespace strobe::host {
 

@@ -12,7 +12,7 @@
 
 #include "common/command_line/command_line.hpp"
 #include "common/flight/gravity.hpp"
-#include "common/impact/fit/fit_checks.hpp"
+#include "common/impact/fit/model_fit.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/fit_report.hpp"
 
@@ -233,7 +233,7 @@ int run_fit(const Arguments& a) {
     report.validation = *std::move(validation);
   }
   a.json ? print_fit_json(report) : print_fit_text(report);
-  return report.fit.converged ? kDone : kFailed;
+  return converged(report.fit.termination) ? kDone : kFailed;
 }
 
 void add_model_options(CLI::App& command, Arguments& a) {

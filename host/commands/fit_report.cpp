@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "common/impact/fit/coefficient_prior.hpp"
+#include "common/impact/fit/rebound_model.hpp"
 #include "common/messages/or_null.hpp"
 #include "common/messages/parsed_json.hpp"
 
@@ -160,7 +160,7 @@ ordered_json fit_json(const FitReport& r) {
   out["chi2"] = r.fit.chi2;
   out["dof"] = r.fit.dof;
   out["variance_scale"] = r.fit.variance_scale;
-  out["converged"] = r.fit.converged;
+  out["converged"] = converged(r.fit.termination);
   out.update(statistics_json(r.fit.statistics));
   out["clusters"] = r.fit.clusters;
   if (r.fit.posterior) out["posterior"] = posterior_json(r.fit);

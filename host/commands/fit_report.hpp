@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/impact/fit/cross_validation.hpp"
+#include "common/impact/fit/model_fit.hpp"
 #include "common/impact/fit/regime.hpp"
 #include "common/impact/fit/rolling_friction.hpp"
 #include "host/commands/fit_data.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "common/impact/fit/coefficient_prior.hpp"
+#include "common/impact/fit/rebound_model.hpp"
 #include "host/commands/fit_report.hpp"
 
 namespace strobe::host {
@@ -144,7 +144,7 @@ void print_quality(const FitReport& r) {
                         r.fit.dof, by_sd ? "by the stated sd" : "1 per (m/s)^2 of vx and of R omega",
                         spread_text(r)));
   write_out("vx, omega at lift-off: " + statistics_text(r.fit.statistics) + "\n");
-  if (!r.fit.converged)
+  if (!converged(r.fit.termination))
     write_out("the search stopped at its limit of steps: the minimum may not be reached\n");
 }
 

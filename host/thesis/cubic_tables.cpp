@@ -5,8 +5,8 @@
 #include <initializer_list>
 
 #include "common/contact/condition_inputs.hpp"
-#include "common/contact/cross_validation.hpp"
-#include "common/contact/differentiation/differentiation.hpp"
+#include "common/contact/differentiation.hpp"
+#include "common/contact/standard_error.hpp"
 #include "common/units/angles.hpp"
 #include "host/thesis/tables.hpp"
 #include "host/thesis/thesis_inputs.hpp"

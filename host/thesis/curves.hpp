@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/contact/condition_inputs.hpp"
-#include "common/contact/differentiation/constrained_motion.hpp"
+#include "common/contact/constrained_motion.hpp"
 #include "common/impact/fit/contact_fit.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
 #include "host/figures/figure.hpp"

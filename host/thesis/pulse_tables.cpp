@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "common/contact/condition_inputs.hpp"
-#include "common/contact/integration/stiffness.hpp"
 #include "common/contact/standard_error.hpp"
+#include "common/contact/stiffness.hpp"
 #include "common/units/angles.hpp"
 #include "host/thesis/table.hpp"
 #include "host/thesis/tables.hpp"

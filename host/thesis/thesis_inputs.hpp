@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/contact/differentiation/differentiation.hpp"
+#include "common/contact/differentiation.hpp"
 #include "common/data/thesis_data.hpp"
 #include "common/impact/fit/contact_fit.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
@@ -21,10 +21,10 @@ struct ThesisInputs {
   thesis::Data used;  ///< corrected, or as printed where corrections are off
   bool corrected = true;
   std::vector<thesis::PrintedValue> values;
-  std::string only_set;                                  ///< empty: all
-  impact::ContactFitOptions mechanics_options;           ///< of the fit, and of the contacts shown
-  std::vector<impact::ContactObservation> observations;  ///< of all sets, not only those shown
-  impact::ContactFit mechanics;                          ///< the contact ODE fitted to them
+  std::string only_set;                           ///< empty: all
+  impact::ContactFitOptions mechanics_options;    ///< of the fit, and of the contacts shown
+  std::vector<impact::Observation> observations;  ///< of all sets, not only those shown
+  impact::ContactFit mechanics;                   ///< the contact ODE fitted to them
 
   /// Conditions to show, in printed order; `spin` empty: of every spin.
   std::vector<const thesis::Condition*> conditions(std::string_view spin = {}) const;

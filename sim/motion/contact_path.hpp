@@ -37,7 +37,7 @@
 
 #include "common/impact/closed_form/rebound.hpp"
 #include "common/impact/closed_form/sine_pulse.hpp"
-#include "common/impact/ode/contact_course.hpp"
+#include "common/impact/ode/contact_trajectory.hpp"
 #include "common/result.hpp"
 #include "sim/scene/model.hpp"
 #include "sim/scene/scene.hpp"

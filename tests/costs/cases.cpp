@@ -131,9 +131,8 @@ Case sensitivity_case() {
   return {"lift_off_sensitivity_1e-6", [] {
             const ball::Ball ball{.alpha = impact::kContactAlpha};
             for (const Bounce& b : kBounces)
-              keep(impact::lift_off_with_sensitivity(
-                  ball, b.touchdown, {.e = b.e, .dwell_s = b.dwell_s},
-                  {.method = impact::ContactMethod::collocation, .tolerance = 1e-6}));
+              keep(impact::lift_off_sensitivity(ball, b.touchdown, {.e = b.e, .dwell_s = b.dwell_s},
+                                                {.tolerance = 1e-6}));
           }};
 }
 

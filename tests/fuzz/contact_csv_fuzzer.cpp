@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "common/contact/differentiation/differentiation.hpp"
+#include "common/contact/differentiation.hpp"
 #include "common/contact/standard_error.hpp"
 #include "tests/fuzz/require.hpp"
 

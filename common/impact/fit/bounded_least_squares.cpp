@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "common/statistics/distributions.hpp"
+
 namespace strobe::impact {
 
 namespace {
@@ -70,12 +72,13 @@ VectorXd damped_step(const MatrixXd& jac, const VectorXd& r, const std::vector<I
   return step;
 }
 
-/// Takes one step. Returns false if none reduces the sum of squares by more than the tolerance.
-bool improve(const LeastSquaresProblem& problem, LeastSquaresResult& now, double& damping) {
+/// Takes one step. Returns why it is the last, if it is.
+std::optional<Termination> improve(const LeastSquaresProblem& problem, LeastSquaresResult& now,
+                                   double& damping) {
   const VectorXd r = problem.residuals(now.parameters);
   const MatrixXd jac = jacobian(problem, now.parameters);
   const std::vector<Index> free = free_parameters(problem, now.parameters, jac.transpose() * r);
-  if (free.empty()) return false;
+  if (free.empty()) return Termination::no_free_parameter;
   const double predicted_gain = problem.function_tolerance * now.sum_of_squares;
   const double min_gain = std::max(problem.function_tolerance, 4.0 * kEpsilon) * now.sum_of_squares;
   for (; damping <= kMaxDamping; damping *= 8.0) {
@@ -85,16 +88,17 @@ bool improve(const LeastSquaresProblem& problem, LeastSquaresResult& now, double
     if (!(sum < now.sum_of_squares)) {
       // With more damping the predicted gain is smaller still.
       const VectorXd change = jac * step;
-      if (-change.dot(2.0 * r + change) <= predicted_gain) return false;
+      if (-change.dot(2.0 * r + change) <= predicted_gain) return Termination::tolerance;
       continue;
     }
     const double gain = now.sum_of_squares - sum;
     now.parameters = next;
     now.sum_of_squares = sum;
     damping = std::max(damping / 16.0, 1e-14);
-    return gain > min_gain;
+    if (gain > min_gain) return std::nullopt;
+    return Termination::tolerance;
   }
-  return false;
+  return Termination::damping_limit;
 }
 
 /// Steps along the axes, halved when none helps.
@@ -139,9 +143,20 @@ MatrixXd jacobian(const LeastSquaresProblem& problem, const VectorXd& at) {
 LeastSquaresResult levenberg_marquardt(const LeastSquaresProblem& problem, const VectorXd& start) {
   LeastSquaresResult now{.parameters = clamped(problem, start)};
   now.sum_of_squares = problem.residuals(now.parameters).squaredNorm();
+  if (!std::isfinite(now.sum_of_squares)) {
+    now.termination = Termination::not_finite;
+    return now;
+  }
   double damping = 1e-3;
-  for (; now.iterations < kMaxIterations && !now.converged; ++now.iterations)
-    now.converged = !improve(problem, now, damping);
+  while (now.iterations < kMaxIterations) {
+    const auto stop = improve(problem, now, damping);
+    ++now.iterations;
+    if (!stop) continue;
+    now.termination = *stop;
+    break;
+  }
+  assert((now.parameters.array() >= problem.lower.array()).all() &&
+         (now.parameters.array() <= problem.upper.array()).all());
   return now;
 }
 
@@ -178,6 +193,78 @@ std::optional<MatrixXd> unscaled_covariance(const MatrixXd& jac, double rank_tol
   MatrixXd covariance = half * half.transpose();
   assert(covariance.isApprox(covariance.transpose(), 1e-12) && covariance.diagonal().minCoeff() > 0.0);
   return covariance;
+}
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Eigenvalues of I - H below this: the cluster alone determines a parameter, and its residual there is rounding.
+constexpr double kNoResidual = 1e-6;
+
+/// The symmetric matrix that gives the residuals of a cluster the variance of its errors: (I - H)^(-1/2).
+MatrixXd bias_reduction(const MatrixXd& leverage) {
+  const Index n = leverage.rows();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(MatrixXd::Identity(n, n) - leverage);
+  const VectorXd factors = axes.eigenvalues().unaryExpr(
+      [](double value) { return value > kNoResidual ? 1.0 / std::sqrt(value) : 0.0; });
+  return axes.eigenvectors() * factors.asDiagonal() * axes.eigenvectors().transpose();
+}
+
+/// Satterthwaite's: of the quadratic form whose eigenvalues are those of the Gram matrix of `terms`, twice the square of
+/// its mean over its variance.
+double satterthwaite(const MatrixXd& terms) {
+  const MatrixXd gram = terms.transpose() * terms;
+  const double spread = gram.squaredNorm();
+  return spread > 0.0 ? std::max(1.0, gram.trace() * gram.trace() / spread) : 1.0;
+}
+
+}  // namespace
+
+ClusteredCovariance clustered_covariance(const MatrixXd& jacobian, const VectorXd& residuals,
+                                         const std::vector<std::vector<Index>>& clusters) {
+  const Index rows = jacobian.rows(), parameters = jacobian.cols();
+  const auto count = static_cast<Index>(clusters.size());
+  assert(residuals.size() == rows && rows >= parameters);
+  // Parameters from residuals.
+  const MatrixXd inverse = jacobian.colPivHouseholderQr().solve(MatrixXd::Identity(rows, rows));
+  const MatrixXd leverage = jacobian * inverse;
+  MatrixXd score(parameters, count);
+  std::vector<MatrixXd> terms(static_cast<std::size_t>(parameters), MatrixXd(rows, count));
+  for (Index g = 0; g < count; ++g) {
+    const auto& members = clusters[static_cast<std::size_t>(g)];
+    const MatrixXd weights = inverse(Eigen::all, members) * bias_reduction(leverage(members, members));
+    score.col(g) = weights * residuals(members);
+    for (Index k = 0; k < parameters; ++k) {
+      const VectorXd w = weights.row(k).transpose();
+      VectorXd term = -leverage(Eigen::all, members) * w;
+      term(members) += w;
+      terms[static_cast<std::size_t>(k)].col(g) = term;
+    }
+  }
+  ClusteredCovariance out{score * score.transpose(), VectorXd(parameters)};
+  for (Index k = 0; k < parameters; ++k)
+    out.degrees_of_freedom[k] = satterthwaite(terms[static_cast<std::size_t>(k)]);
+  return out;
+}
+
+double least_robust_share(double degrees_of_freedom) {
+  constexpr double kByChance = 0.02;
+  if (degrees_of_freedom < kFewDegrees) return 1.0;
+  return statistics::chi_squared_quantile(degrees_of_freedom, kByChance) / degrees_of_freedom;
+}
+
+std::vector<std::vector<Eigen::Index>> rows_of_pairs(const std::vector<std::vector<std::size_t>>& clusters) {
+  std::vector<std::vector<Eigen::Index>> out;
+  for (const auto& cluster : clusters) {
+    out.emplace_back();
+    for (const std::size_t i : cluster)
+      for (const Eigen::Index component : {0, 1})
+        out.back().push_back(static_cast<Eigen::Index>(2 * i) + component);
+  }
+  return out;
 }
 
 }  // namespace strobe::impact

@@ -10,7 +10,6 @@
 #include <set>
 
 #include "common/impact/fit/bounded_least_squares.hpp"
-#include "common/impact/fit/observation.hpp"
 #include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::impact {
@@ -25,20 +24,20 @@ const ContactVector kUpperBounds{10.0, 1e2, 10.0, 1.0, ball::kThinShellAlpha};
 /// Limited by the accuracy of the finite differences.
 constexpr double kContactRankTolerance = 1e-6;
 
-Error refused(const ContactObservation& o, InputError error) {
+Error refused(const Observation& o, InputError error) {
   return Error{o.name + ": " + std::string(message(error))};
 }
 
-tl::expected<ContactSummary, InputError> compute(const ContactObservation& o, const ContactVector& p,
+tl::expected<ContactSummary, InputError> compute(const Observation& o, const ContactVector& p,
                                                  const ContactFitOptions& options) {
   return simulate(ball_of(p), o.touchdown, coefficients_of(o, p, options), options.contact());
 }
 
-Result<Eigen::VectorXd> residuals(std::span<const ContactObservation> observations, const ContactVector& p,
+Result<Eigen::VectorXd> residuals(std::span<const Observation> observations, const ContactVector& p,
                                   const ContactFitOptions& options) {
   Eigen::VectorXd r(2 * static_cast<Eigen::Index>(observations.size()));
   Eigen::Index row = 0;
-  for (const ContactObservation& o : observations) {
+  for (const Observation& o : observations) {
     const auto computed =
         lift_off(ball_of(p), o.touchdown, coefficients_of(o, p, options), options.contact());
     if (!computed) return tl::unexpected(refused(o, computed.error()));
@@ -66,7 +65,7 @@ struct Optimum {
   int iterations;
 };
 
-Result<Optimum> optimum(std::span<const ContactObservation> observations, const ContactFitOptions& options) {
+Result<Optimum> optimum(std::span<const Observation> observations, const ContactFitOptions& options) {
   std::optional<Error> refusal;
   const LeastSquaresProblem problem = problem_of([&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
     auto r = residuals(observations, at, options);
@@ -79,14 +78,14 @@ Result<Optimum> optimum(std::span<const ContactObservation> observations, const 
   const LeastSquaresResult found = levenberg_marquardt(problem, kStart);
   Eigen::MatrixXd at_minimum = jacobian(problem, found.parameters);
   if (refusal) return tl::unexpected(*refusal);
-  if (!found.converged) return fail("the contact's fit does not converge");
+  if (!converged(found.termination)) return fail("the contact's fit does not converge");
   return Optimum{found.parameters, found.sum_of_squares, std::move(at_minimum), found.iterations};
 }
 
-Result<std::vector<ContactFitPoint>> compare_all(std::span<const ContactObservation> observations,
+Result<std::vector<ContactFitPoint>> compare_all(std::span<const Observation> observations,
                                                  const ContactVector& p, const ContactFitOptions& options) {
   std::vector<ContactFitPoint> points;
-  for (const ContactObservation& o : observations) {
+  for (const Observation& o : observations) {
     const auto computed = compute(o, p, options);
     if (!computed) return tl::unexpected(refused(o, computed.error()));
     const auto spring = normal_spring(ball_of(p).mass_kg, o.e, o.dwell_s);
@@ -118,17 +117,10 @@ Rms rms_of(std::span<const ContactFitPoint> points) {
 
 }  // namespace
 
-ContactObservation observation_of(const thesis::Condition& c) {
-  const Observation o = observations_of({&c, 1}, Spread::replicate).front();
-  return {.name = o.name,
-          .group = o.spin,
-          .touchdown = o.touchdown,
-          .touchdown_sd = o.touchdown_sd,
-          .lift_off = o.lift_off,
-          .lift_off_sd = o.lift_off_sd,
-          .e = -o.lift_off.vy_mps / o.touchdown.vy_mps,
-          .dwell_s = c.dwell_time_ms.mean / 1e3,
-          .dwell_sd_s = c.dwell_time_ms.sd / 1e3};
+Observation observation_of(const thesis::Condition& c) {
+  Observation o = observations_of({&c, 1}, Spread::replicate).front();
+  o.e = -o.lift_off.vy_mps / o.touchdown.vy_mps;
+  return o;
 }
 
 ContactVector within_bounds(const ContactVector& parameters) {
@@ -139,7 +131,7 @@ double ContactFit::sd(ContactParameter parameter) const {
   return std::sqrt(covariance(parameter, parameter));
 }
 
-ContactCoefficients coefficients_of(const ContactObservation& o, const ContactVector& p,
+ContactCoefficients coefficients_of(const Observation& o, const ContactVector& p,
                                     const ContactFitOptions& options) {
   return {.e = o.e,
           .dwell_s = o.dwell_s,
@@ -153,8 +145,7 @@ ContactCoefficients coefficients_of(const ContactObservation& o, const ContactVe
 
 ball::Ball ball_of(const ContactVector& p) { return {.alpha = p[kFitAlpha]}; }
 
-Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
-                               const ContactFitOptions& options) {
+Result<ContactFit> fit_contact(std::span<const Observation> observations, const ContactFitOptions& options) {
   if (observations.size() < 3) return fail("a fit of the contact needs three conditions or more");
   const auto best = optimum(observations, options);
   if (!best) return tl::unexpected(best.error());
@@ -177,15 +168,15 @@ Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
   return fit;
 }
 
-Result<std::vector<ContactHeldOutGroup>> leave_one_group_out(std::span<const ContactObservation> observations,
+Result<std::vector<ContactHeldOutGroup>> leave_one_group_out(std::span<const Observation> observations,
                                                              const ContactFitOptions& options) {
   std::set<std::string> groups;
-  for (const ContactObservation& o : observations) groups.insert(o.group);
+  for (const Observation& o : observations) groups.insert(o.spin);
   std::vector<ContactHeldOutGroup> out;
   for (const std::string& group : groups) {
-    std::vector<ContactObservation> kept;
-    std::vector<ContactObservation> left;
-    for (const ContactObservation& o : observations) (o.group == group ? left : kept).push_back(o);
+    std::vector<Observation> kept;
+    std::vector<Observation> left;
+    for (const Observation& o : observations) (o.spin == group ? left : kept).push_back(o);
     const auto fit = fit_contact(kept, options);
     if (!fit) return tl::unexpected(fit.error());
     const auto points = compare_all(left, fit->value, options);

@@ -1,7 +1,8 @@
-// The contact ODE fitted to measured conditions: the normal spring and dashpot of each follow from its
-// restitution and dwell time; five parameters are common to all: mu, k_t/k, c_t, the offset over the
-// footprint's radius and the ball's alpha (bounded_least_squares.hpp). Allocates; thread-safe; some 20 ms for
-// 21 conditions.
+// The contact ODE fitted to measured conditions by plain least squares, without priors: the normal spring and dashpot of
+// each follow from its restitution and dwell time; five parameters are common to all: mu, k_t/k, c_t, the offset over
+// the footprint's radius and the ball's alpha (bounded_least_squares.hpp). Kept beside fit() (model_fit.hpp) since the
+// thesis's tables and the defaults of ContactCoefficients rest on it. Allocates; thread-safe; some 20 ms for 21
+// conditions.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,27 +12,14 @@
 #include <string_view>
 #include <vector>
 
-#include "common/data/thesis_data.hpp"
+#include "common/impact/fit/observation.hpp"
 #include "common/impact/ode/contact_ode.hpp"
 #include "common/result.hpp"
 
 namespace strobe::impact {
 
-/// One measured condition: means, with the sds of the measured values (0: unknown).
-struct ContactObservation {
-  std::string name;
-  std::string group;  ///< of leave_one_group_out(), e.g. the spin
-  Motion touchdown;
-  Motion touchdown_sd;
-  Motion lift_off;
-  Motion lift_off_sd;
-  double e = 0.0;
-  double dwell_s = 0.0;
-  double dwell_sd_s = 0.0;
-};
-
-/// Means of a condition; e from the means of vy, which carry more digits than the table's e.
-ContactObservation observation_of(const thesis::Condition& condition);
+/// Means of a condition with the sds of single shots; e from the means of vy, which carry more digits than the table's e.
+Observation observation_of(const thesis::Condition& condition);
 
 enum ContactParameter : int { kFitMu, kFitStiffness, kFitDamping, kFitOffset, kFitAlpha, kFitParameters };
 
@@ -79,7 +67,7 @@ struct ContactFit {
 };
 
 /// Coefficients and ball of one observation under shared parameters.
-ContactCoefficients coefficients_of(const ContactObservation& observation, const ContactVector& parameters,
+ContactCoefficients coefficients_of(const Observation& observation, const ContactVector& parameters,
                                     const ContactFitOptions& options);
 ball::Ball ball_of(const ContactVector& parameters);
 
@@ -88,7 +76,7 @@ ContactVector within_bounds(const ContactVector& parameters);
 
 /// Fails with fewer than three observations, an observation that simulate() refuses (named), parameters that
 /// the observations do not determine, or no convergence in 200 iterations.
-Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
+Result<ContactFit> fit_contact(std::span<const Observation> observations,
                                const ContactFitOptions& options = {});
 
 /// The fit without one group, and its prediction of that group (with the group's own e and dwell times).
@@ -100,7 +88,7 @@ struct ContactHeldOutGroup {
 };
 
 /// In order of the groups' names. Fails like fit_contact(), with the first error.
-Result<std::vector<ContactHeldOutGroup>> leave_one_group_out(std::span<const ContactObservation> observations,
+Result<std::vector<ContactHeldOutGroup>> leave_one_group_out(std::span<const Observation> observations,
                                                              const ContactFitOptions& options = {});
 
 }  // namespace strobe::impact

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "common/impact/fit/clustered_covariance.hpp"
+#include "common/sampling/adaptive_metropolis.hpp"
+#include "common/sampling/importance_sampling.hpp"
 #include "common/statistics/distributions.hpp"
 
 namespace strobe::impact {
@@ -22,7 +23,33 @@ double t_quantile(double freedom) {
                                         0.5 * (1.0 - kIntervalLevel));
 }
 
-}  // namespace
+/// The density and its Laplace approximation.
+class ContactPosterior {
+ public:
+  /// Of a fit at its least, with free parameters; must outlive this. The weights stay as they are there.
+  explicit ContactPosterior(const Fitter& least);
+
+  const Eigen::VectorXd& mode() const { return mode_; }
+  /// Of the Laplace approximation: the scale matrix of a t distribution with degrees_of_freedom().
+  const Eigen::MatrixXd& scale() const { return scale_; }
+  double degrees_of_freedom() const { return freedom_; }
+  /// Of each parameter's own Student's t where CovarianceScale::clustered says so; the scale allows for it at 95 %.
+  const Eigen::VectorXd& own_degrees_of_freedom() const { return own_freedom_; }
+  /// Up to a constant; -infinity where the contact cannot be computed.
+  double log_density(const Eigen::VectorXd& coordinates) const;
+
+ private:
+  void find_scale(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals);
+  void adjust(const Eigen::MatrixXd& information);
+
+  const Fitter& least_;
+  Eigen::VectorXd mode_;
+  Eigen::MatrixXd scale_;
+  Eigen::VectorXd own_freedom_;
+  Eigen::MatrixXd adjustment_;  ///< C; empty: the identity
+  double freedom_ = 0.0;
+  double least_squares_ = 0.0;
+};
 
 ContactPosterior::ContactPosterior(const Fitter& least) : least_(least), mode_(least.free_values()) {
   const VectorXd residuals = least.residuals_at(mode_);
@@ -72,6 +99,150 @@ double ContactPosterior::log_density(const VectorXd& coordinates) const {
   // A mode that the search missed by its tolerance may lie a little lower.
   const double above = std::max(rise / freedom_, -0.5);
   return -0.5 * (freedom_ + static_cast<double>(mode_.size())) * std::log1p(above);
+}
+
+/// Draws that are worth so many independent ones give an interval's end to a tenth of an sd.
+constexpr double kEnoughDraws = 300.0;
+constexpr double kMaxRHat = 1.05;
+constexpr double kContactsOfARound = 5e5;
+constexpr double kLowerLevel = 0.5 * (1.0 - kIntervalLevel);
+
+struct Ends {
+  double lower = 0.0, median = 0.0, upper = 0.0;
+};
+
+/// Of each coordinate by the Laplace approximation.
+std::vector<Ends> laplace_ends(const ContactPosterior& posterior) {
+  std::vector<Ends> out;
+  const double t = statistics::student_t_quantile(posterior.degrees_of_freedom(), kLowerLevel);
+  for (Index k = 0; k < posterior.mode().size(); ++k) {
+    const double reach = t * std::sqrt(posterior.scale()(k, k)), mode = posterior.mode()[k];
+    out.push_back({mode - reach, mode, mode + reach});
+  }
+  return out;
+}
+
+std::vector<Ends> sampled_ends(const sampling::Sample& sample) {
+  std::vector<Ends> out;
+  for (Index k = 0; k < sample.points.rows(); ++k) {
+    const auto q = sample.quantiles(k, {kLowerLevel, 0.5, 1.0 - kLowerLevel});
+    out.push_back({q[0], q[1], q[2]});
+  }
+  return out;
+}
+
+void by_importance(const ContactPosterior& posterior, const PosteriorOptions& options, Posterior& out) {
+  const auto drawn = sampling::importance_sample(
+      [&](const VectorXd& at) { return posterior.log_density(at); }, posterior.mode(), posterior.scale(),
+      {.seed = options.seed,
+       .draws = options.draws,
+       .least_size = kEnoughDraws,
+       .progress = options.progress});
+  out.method = PosteriorMethod::importance;
+  out.sample = drawn.sample;
+  out.effective_size = drawn.sample.effective_size();
+  out.pareto_shape = drawn.pareto_shape;
+  out.evaluations += drawn.evaluations;
+  out.reliable = drawn.good(kEnoughDraws);
+}
+
+/// From what importance sampling has found, if it was tried.
+void by_metropolis(const ContactPosterior& posterior, const PosteriorOptions& options, Posterior& out) {
+  MatrixXd first = posterior.scale();
+  if (out.pareto_shape && *out.pareto_shape <= 1.0) first = out.sample.covariance();
+  const auto drawn = sampling::adaptive_metropolis(
+      [&](const VectorXd& at) { return posterior.log_density(at); }, posterior.mode(), first,
+      {.seed = options.seed, .steps = std::max(60, 3 * options.draws / 2), .progress = options.progress});
+  out.method = PosteriorMethod::metropolis;
+  out.sample = drawn.sample;
+  out.effective_size = drawn.effective_size.minCoeff();
+  out.r_hat = drawn.r_hat.maxCoeff();
+  out.acceptance = drawn.acceptance;
+  out.evaluations += drawn.evaluations;
+  out.reliable = *out.r_hat <= kMaxRHat && out.effective_size >= kEnoughDraws;
+}
+
+PosteriorOptions with_draws(PosteriorOptions options, std::size_t shots) {
+  const double chosen = std::clamp(kContactsOfARound / static_cast<double>(shots), 1500.0, 8000.0);
+  if (options.draws == 0) options.draws = static_cast<int>(chosen);
+  return options;
+}
+
+Posterior sampled(const ContactPosterior& posterior, const PosteriorOptions& options) {
+  Posterior out;
+  out.seed = options.seed;
+  if (options.method == PosteriorMethod::laplace) return out;
+  if (options.method != PosteriorMethod::metropolis) by_importance(posterior, options, out);
+  const bool instead = options.method == PosteriorMethod::automatic && !out.reliable;
+  if (options.method == PosteriorMethod::metropolis || instead) by_metropolis(posterior, options, out);
+  return out;
+}
+
+/// Largest distance of an end of an interval from the Laplace approximation's, in its sds.
+double largest_shift(const std::vector<Ends>& ends, const std::vector<Ends>& laplace) {
+  double out = 0.0;
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    const double sd = (laplace[k].upper - laplace[k].lower) / 4.0;
+    out = std::max({out, std::abs(ends[k].lower - laplace[k].lower) / sd,
+                    std::abs(ends[k].upper - laplace[k].upper) / sd});
+  }
+  return out;
+}
+
+/// Of the coordinates; that of a t distribution is the scale's, larger.
+MatrixXd coordinate_covariance(const ContactPosterior& posterior, const Posterior& found) {
+  if (found.sample.points.size() > 0) return found.sample.covariance();
+  const double wider =
+      statistics::student_t_quantile(posterior.degrees_of_freedom(), statistics::kAboveOneSd);
+  return wider * wider * posterior.scale();
+}
+
+/// Of a parameter's values: from a sample its own, else by the slope at the mode.
+double value_sd(const Fitter& least, Parameter p, Index k, const Posterior& found, double coordinate_sd,
+                double mode) {
+  if (found.sample.points.size() == 0) return slope_at(least.options().model, p, mode) * coordinate_sd;
+  const VectorXd values =
+      found.sample.points.row(k).unaryExpr([&](double at) { return value_at(least.options().model, p, at); });
+  const double mean = values.dot(found.sample.weights);
+  return std::sqrt((values.array() - mean).square().matrix().dot(found.sample.weights));
+}
+
+}  // namespace
+
+void add_posterior(const Fitter& least, ModelFit& fit) {
+  if (least.free().empty()) return;
+  const ContactPosterior posterior(least);
+  const ReboundModel model = least.options().model;
+  Posterior found = sampled(posterior, with_draws(least.options().posterior, least.observations().size()));
+  const std::vector<Ends> laplace = laplace_ends(posterior);
+  const std::vector<Ends> ends = found.sample.points.size() > 0 ? sampled_ends(found.sample) : laplace;
+  found.laplace_shift = largest_shift(ends, laplace);
+  const MatrixXd covariance = coordinate_covariance(posterior, found);
+  const VectorXd sd = covariance.diagonal().cwiseSqrt();
+  found.parameters = least.free();
+  found.correlation = sd.cwiseInverse().asDiagonal() * covariance * sd.cwiseInverse().asDiagonal();
+  VectorXd value_sds(sd.size());
+  for (Index k = 0; k < sd.size(); ++k) {
+    const Parameter p = least.free()[static_cast<std::size_t>(k)];
+    const Ends& e = ends[static_cast<std::size_t>(k)];
+    FittedParameter& out = fit.parameters[index(p)];
+    const double share = sd[k] / prior_of(model, p)->sd;
+    value_sds[k] = value_sd(least, p, k, found, sd[k], posterior.mode()[k]);
+    out.status = share > kUntoldShare ? ParameterStatus::undetermined : ParameterStatus::fitted;
+    out.sd = value_sds[k];
+    out.lower = value_at(model, p, e.lower);
+    out.upper = value_at(model, p, e.upper);
+    out.degrees_of_freedom = posterior.own_degrees_of_freedom()[k];
+    found.medians.push_back(value_at(model, p, e.median));
+    found.prior_shares.push_back(share);
+    found.coordinate_sds.push_back(sd[k]);
+  }
+  for (Index a = 0; a < sd.size(); ++a)
+    for (Index b = 0; b < sd.size(); ++b)
+      fit.covariance(static_cast<Index>(index(least.free()[static_cast<std::size_t>(a)])),
+                     static_cast<Index>(index(least.free()[static_cast<std::size_t>(b)]))) =
+          value_sds[a] * value_sds[b] * found.correlation(a, b);
+  fit.posterior = std::move(found);
 }
 
 }  // namespace strobe::impact

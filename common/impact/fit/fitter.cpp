@@ -7,8 +7,7 @@
 #include <map>
 #include <string>
 
-#include "common/impact/fit/coefficient_prior.hpp"
-#include "common/impact/fit/contact_gradient.hpp"
+#include "common/impact/fit/rebound_model.hpp"
 #include "common/statistics/distributions.hpp"
 
 namespace strobe::impact {
@@ -263,7 +262,7 @@ void Fitter::estimate_scatter() {
 
 void Fitter::fit_once(std::size_t tries) {
   if (free_.empty()) {
-    converged_ = true;
+    termination_ = Termination::no_free_parameter;
     return;
   }
   const auto starts = tries > 0 ? candidates() : std::vector<VectorXd>{};
@@ -272,7 +271,7 @@ void Fitter::fit_once(std::size_t tries) {
           ? minimize_smooth(problem(), free_values(), starts, std::min(tries, kContactStartsTried))
           : minimize(problem(), free_values(), starts, tries);
   values_ = with(found.parameters);
-  converged_ = found.converged;
+  termination_ = found.termination;
 }
 
 /// The weights depend on the parameters through the inputs' errors: alternate until the parameters converge.

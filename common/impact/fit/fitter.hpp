@@ -25,7 +25,7 @@ std::vector<std::vector<std::size_t>> series_of(std::span<const Observation> obs
 /// cluster's mean. If not, each shot is a cluster of its own.
 class Fitter {
  public:
-  /// The arguments must outlive it; they passed find_failure().
+  /// The arguments must outlive it; they passed the checks of fit().
   Fitter(std::span<const Observation> observations, const FitOptions& options);
 
   /// From several starts, the weights following the parameters.
@@ -44,10 +44,10 @@ class Fitter {
   bool fits(Parameter parameter) const;
   const ParameterValues& values() const { return values_; }
   Eigen::VectorXd free_values() const;
-  bool converged() const { return converged_; }
+  Termination termination() const { return termination_; }  ///< of the last search
 
   /// Weighted residuals, predicted less measured: two for each observation; for ode, after them one for each parameter by
-  /// its prior. `at` are coordinates (coefficient_prior.hpp).
+  /// its prior. `at` are coordinates (rebound_model.hpp).
   Eigen::VectorXd residuals_at(const Eigen::VectorXd& at) const;
   double chi2() const;
   /// Of the weights: the logarithm of the determinant of the residuals' covariance, which chi2 lacks of -2 log likelihood.
@@ -87,7 +87,7 @@ class Fitter {
   std::vector<std::vector<std::size_t>> series_;
   double variance_ = 1.0;
   double scatter_ = 0.0;  ///< variance of the clusters' effects over that of one residual
-  bool converged_ = false;
+  Termination termination_ = Termination::iteration_limit;
 };
 
 }  // namespace strobe::impact

@@ -11,7 +11,8 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "common/impact/fit/comparison.hpp"
+#include "common/impact/fit/bounded_least_squares.hpp"
+#include "common/impact/fit/rebound_model.hpp"
 #include "common/sampling/sample.hpp"
 
 namespace strobe::impact {
@@ -27,7 +28,7 @@ enum class Weighting {
 };
 
 enum class CovarianceScale {
-  /// From the residuals, whatever their variances and however alike the shots of a series are: clustered_covariance.hpp,
+  /// From the residuals, whatever their variances and however alike the shots of a series are: bounded_least_squares.hpp,
   /// each series a cluster. What misfits of the model and scatter of the conditions add is in it.
   clustered,
   residuals,  ///< times chi2/dof: the residuals are independent, their variances as the weights have them (dof >= 1)
@@ -120,7 +121,7 @@ inline constexpr double kUntoldShare = 0.7;
 /// Correlation of two coordinates from which only a combination of the two is said to be told.
 inline constexpr double kTiedCorrelation = 0.85;
 
-/// Of the parameters that are free, in the coordinates of coefficient_prior.hpp.
+/// Of the parameters that are free, in the coordinates of rebound_model.hpp.
 struct Posterior {
   PosteriorMethod method = PosteriorMethod::laplace;  ///< that the intervals are from
   std::uint64_t seed = 0;
@@ -149,8 +150,8 @@ struct ModelFit {
   int dof = 0;  ///< two per observation, less the free parameters
   double variance_scale =
       1.0;  ///< chi2/dof: factor of the covariance with CovarianceScale::residuals; 1 with stated
-  bool converged = false;
-  std::vector<Comparison> comparisons;  ///< one for each observation, in order
+  Termination termination = Termination::iteration_limit;  ///< of the search
+  std::vector<Comparison> comparisons;                     ///< one for each observation, in order
   ResidualStatistics statistics;
   std::optional<Posterior> posterior;  ///< of ode
 
@@ -181,5 +182,42 @@ struct FitFailure {
 std::string message(const FitFailure& failure, std::span<const Observation> observations);
 
 tl::expected<ModelFit, FitFailure> fit(std::span<const Observation> observations, const FitOptions& options);
+
+// Checks of the inputs of fit(). Pure; thread-safe.
+
+/// What is wrong with one observation: invalid_observation (no impact has such numbers) or invalid_sd. `at`: its place,
+/// for the failure. Returns nullopt if nothing is.
+std::optional<FitFailure> find_observation_failure(const Observation& observation, std::size_t at,
+                                                   const FitOptions& options);
+
+// Leave-one-group-out cross-validation of the rebound models: each group of observations is predicted by a
+// fit of the others. Deterministic; thread-safe; allocates; one fit per group.
+
+enum class CrossValidationGroup {
+  spin,    ///< all observations of one spin
+  series,  ///< all observations of one series: a condition, or the shots of a series
+};
+
+struct HeldOutGroup {
+  std::string group;
+  std::vector<std::size_t> observations;  ///< their indices
+  ModelFit fit;                           ///< of the others
+  std::vector<Comparison> predicted;      ///< the group compared with that fit
+  ResidualStatistics statistics;          ///< of `predicted`
+};
+
+struct CrossValidation {
+  std::vector<HeldOutGroup> groups;  ///< in order of first appearance
+  ResidualStatistics statistics;     ///< over all groups: each observation is predicted once
+};
+
+/// Errors as for fit(), of all observations or of those without a group; underdetermined if there is only one
+/// group.
+tl::expected<CrossValidation, FitFailure> leave_one_group_out(std::span<const Observation> observations,
+                                                              const FitOptions& options,
+                                                              CrossValidationGroup by);
+
+/// The observations of one spin.
+std::vector<Observation> of_spin(std::span<const Observation> observations, std::string_view spin);
 
 }  // namespace strobe::impact

@@ -1,9 +1,12 @@
 #include "common/impact/fit/rebound_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <optional>
 
+#include "common/impact/ode/contact_sensitivity.hpp"
 #include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::impact {
@@ -160,6 +163,192 @@ InputCovariance input_covariance(ReboundModel model, const ParameterValues& para
     sum.cross += vx * spin;
   }
   return sum;
+}
+
+namespace {
+
+constexpr double kSolidBallAlpha = 0.4;
+constexpr double kMinInside = 1e-9;  ///< of a range, from its end
+
+/// Where `high` is 0 the range has no upper end.
+struct Known {
+  double low;
+  double high;
+  double median;
+  double sd;
+};
+
+constexpr Known known(Parameter p) {
+  switch (p) {
+    case Parameter::mu:
+      return {0.0, 0.0, 0.5, 0.7};
+    case Parameter::offset_reference_mps:
+      return {0.0, 0.0, 5.0, 1.2};
+    case Parameter::damping_ratio:
+      return {0.0, 0.0, 0.5, 1.0};
+    case Parameter::offset_share:
+      return {0.0, 1.0, 0.12, 1.2};
+    case Parameter::alpha:
+      return {kSolidBallAlpha, ball::kThinShellAlpha, ball::kMeasuredAlpha, 1.5};
+    case Parameter::dwell_s:
+      return {0.0, 0.0, 4.7e-3, 0.25};
+    default:
+      return {0.0, 0.0, 1.0, 1.0};  // the stiffness ratio
+  }
+}
+
+double to_coordinate(const Known& k, double value) {
+  if (k.high == 0.0) return std::log(std::max(value, kMinInside * k.median));
+  const double inside = kMinInside * (k.high - k.low);
+  const double v = std::clamp(value, k.low + inside, k.high - inside);
+  return std::log((v - k.low) / (k.high - v));
+}
+
+double from_coordinate(const Known& k, double at) {
+  if (k.high == 0.0) return std::exp(at);
+  return k.low + (k.high - k.low) / (1.0 + std::exp(-at));
+}
+
+}  // namespace
+
+std::optional<Prior> prior_of(ReboundModel model, Parameter p) {
+  if (model != ReboundModel::ode || !has_parameter(model, p)) return std::nullopt;
+  return Prior{to_coordinate(known(p), known(p).median), known(p).sd};
+}
+
+double coordinate_of(ReboundModel model, Parameter p, double value) {
+  return model == ReboundModel::ode ? to_coordinate(known(p), value) : value;
+}
+
+double value_at(ReboundModel model, Parameter p, double coordinate) {
+  return model == ReboundModel::ode ? from_coordinate(known(p), coordinate) : coordinate;
+}
+
+double slope_at(ReboundModel model, Parameter p, double coordinate) {
+  if (model != ReboundModel::ode) return 1.0;
+  const Known k = known(p);
+  const double value = from_coordinate(k, coordinate);
+  return k.high == 0.0 ? value : (value - k.low) * (k.high - value) / (k.high - k.low);
+}
+
+double prior_value(Parameter p, double sds) {
+  const Known k = known(p);
+  return from_coordinate(k, to_coordinate(k, k.median) + sds * k.sd);
+}
+
+namespace {
+
+std::optional<ContactInput> input_of(Parameter p) {
+  switch (p) {
+    case Parameter::mu:
+      return ContactInput::mu;
+    case Parameter::offset_reference_mps:
+      return ContactInput::offset_reference_mps;
+    case Parameter::alpha:
+      return ContactInput::alpha;
+    case Parameter::stiffness_ratio:
+      return ContactInput::stiffness_ratio;
+    case Parameter::damping_ratio:
+      return ContactInput::damping_ratio;
+    case Parameter::offset_share:
+      return ContactInput::offset_share;
+    case Parameter::dwell_s:
+      return ContactInput::dwell_s;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace
+
+tl::expected<ContactGradient, InputError> contact_gradient(const ParameterValues& parameters,
+                                                           double diameter_m, const ModelInputs& inputs) {
+  const ContactInputs contact = contact_inputs(parameters, diameter_m, inputs);
+  return lift_off_sensitivity(contact.ball, inputs.touchdown, contact.coefficients, contact.options)
+      .map([&](const ContactSensitivity& s) {
+        ContactGradient out;
+        for (std::size_t i = 0; i < kParameterCount; ++i) {
+          const auto p = static_cast<Parameter>(i);
+          const auto input = input_of(p);
+          const bool is_dwell = p == Parameter::dwell_s;
+          if (!input || (is_dwell && inputs.dwell_s > 0.0)) continue;
+          const double factor = is_dwell ? contact.share_until_release : 1.0;
+          const auto k = static_cast<std::size_t>(*input);
+          out.vx[i] = factor * s.vx_mps[k];
+          out.spin[i] = factor * contact.ball.radius_m() * s.omega_radps[k];
+        }
+        return out;
+      });
+}
+
+namespace {
+
+std::optional<double> z_if_known(double residual, double sd) {
+  if (sd > 0.0) return residual / sd;
+  return std::nullopt;
+}
+
+Comparison compare_one(const Observation& o, ReboundModel model, const ParameterValues& parameters,
+                       double diameter_m) {
+  const double radius = 0.5 * diameter_m;
+  const InputCovariance inputs = input_covariance(model, parameters, diameter_m, o);
+  Comparison out;
+  out.predicted = *rebound_of(model, parameters, diameter_m, inputs_of(o));
+  out.vx_residual_mps = o.lift_off.vx_mps - out.predicted.lift_off.vx_mps;
+  out.omega_residual_radps = o.lift_off.omega_radps - out.predicted.lift_off.omega_radps;
+  out.z_vx = z_if_known(out.vx_residual_mps, o.lift_off_sd.vx_mps);
+  out.z_omega = z_if_known(out.omega_residual_radps, o.lift_off_sd.omega_radps);
+  out.z_vx_with_inputs =
+      z_if_known(out.vx_residual_mps, std::hypot(o.lift_off_sd.vx_mps, std::sqrt(inputs.vx)));
+  out.z_omega_with_inputs = z_if_known(
+      out.omega_residual_radps, std::hypot(o.lift_off_sd.omega_radps, std::sqrt(inputs.spin) / radius));
+  return out;
+}
+
+/// Root mean square of the z-scores present, and how many are within one sd.
+struct ZScores {
+  int count = 0;
+  int within = 0;
+  double squares = 0.0;
+
+  void add(const std::optional<double>& z) {
+    if (!z) return;
+    ++count;
+    within += std::abs(*z) <= 1.0 ? 1 : 0;
+    squares += *z * *z;
+  }
+  double rms() const { return count > 0 ? std::sqrt(squares / count) : 0.0; }
+};
+
+}  // namespace
+
+std::vector<Comparison> compare(std::span<const Observation> observations, ReboundModel model,
+                                const ParameterValues& parameters, double diameter_m) {
+  std::vector<Comparison> out;
+  out.reserve(observations.size());
+  for (const Observation& o : observations) out.push_back(compare_one(o, model, parameters, diameter_m));
+  return out;
+}
+
+ResidualStatistics residual_statistics(std::span<const Comparison> comparisons) {
+  ResidualStatistics out;
+  if (comparisons.empty()) return out;
+  ZScores vx, omega;
+  for (const Comparison& c : comparisons) {
+    out.rms_vx_mps += c.vx_residual_mps * c.vx_residual_mps;
+    out.rms_omega_radps += c.omega_residual_radps * c.omega_residual_radps;
+    vx.add(c.z_vx);
+    omega.add(c.z_omega);
+  }
+  const auto n = static_cast<double>(comparisons.size());
+  out.count = static_cast<int>(comparisons.size());
+  out.rms_vx_mps = std::sqrt(out.rms_vx_mps / n);
+  out.rms_omega_radps = std::sqrt(out.rms_omega_radps / n);
+  out.within_sd_vx = vx.within;
+  out.within_sd_omega = omega.within;
+  out.rms_z_vx = vx.rms();
+  out.rms_z_omega = omega.rms();
+  return out;
 }
 
 }  // namespace strobe::impact

@@ -5,8 +5,10 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <vector>
 
 #include "common/impact/fit/observation.hpp"
 #include "common/impact/ode/contact_ode.hpp"
@@ -119,5 +121,81 @@ struct InputCovariance {
 /// Precondition: rebound_of() has a value for this observation and moved_inputs_error() returns nullopt.
 InputCovariance input_covariance(ReboundModel model, const ParameterValues& parameters, double diameter_m,
                                  const Observation& observation);
+
+// What is known of the contact mechanics' coefficients before any shot: normal distributions of a coordinate that each
+// coefficient may take any value in, the logarithm, or the logit of its place in its range. Weak: 95 % of the prior of mu is
+// 0.13…2. A laboratory's shots outweigh it wherever they tell a coefficient at all. Pure; thread-safe, real-time safe.
+//
+//   coefficient      range       median   sd of the coordinate   95 %               from
+//   mu               0…          0.5      0.7 (log)              0.13…2.0           ball on court surfaces: .3 to .9
+//   u0               0…          5 m/s    1.2 (log)              0.48…53 m/s        nothing but the size of speeds
+//   stiffness_ratio  0…          1        1.0 (log)              0.14…7.1           Mindlin: 2/3 to 1 for a solid sphere
+//   damping_ratio    0…          0.5      1.0 (log)              0.07…3.5           critical damping is 2·sqrt(alpha/(1 + alpha))
+//   offset_share     0…1         0.12     1.2 (logit)            0.013…0.59         less than the footprint's radius
+//   alpha            0.4…2/3     0.55     1.5 (logit)            0.416…0.656        solid ball…thin shell; Cross: 0.55
+//   dwell            0…          4.7 ms   0.25 (log)             2.9…7.7 ms         tennis balls on hard surfaces: 4 to 6
+
+/// Of the coordinate.
+struct Prior {
+  double mean = 0.0;
+  double sd = 1.0;
+};
+
+/// Returns nullopt for the closed forms, whose parameters are fitted by the data alone.
+std::optional<Prior> prior_of(ReboundModel model, Parameter parameter);
+
+/// The coordinate in which a parameter is fitted; the value itself for the closed forms. A value at the end of its range or
+/// beyond counts as just within it.
+double coordinate_of(ReboundModel model, Parameter parameter, double value);
+double value_at(ReboundModel model, Parameter parameter, double coordinate);
+/// Derivative of the value by the coordinate.
+double slope_at(ReboundModel model, Parameter parameter, double coordinate);
+
+/// The prior's quantile of the value, `sds` from its median.
+double prior_value(Parameter parameter, double sds);
+
+// The lift-off of the contact mechanics and its derivatives by the coefficients. Pure; thread-safe, real-time safe.
+
+/// Of vx and R·omega at lift-off, m/s for each unit of the parameter.
+struct ContactGradient {
+  std::array<double, kParameterCount> vx{};
+  std::array<double, kParameterCount> spin{};
+};
+
+/// 0 for the parameters that ode does not have, and for the dwell time where the inputs have their own. Errors as for
+/// rebound_of().
+tl::expected<ContactGradient, InputError> contact_gradient(const ParameterValues& parameters,
+                                                           double diameter_m, const ModelInputs& inputs);
+
+// Measured rebounds compared with a rebound model's predictions. Pure; thread-safe; compare() allocates.
+
+/// One observation and its prediction. Residual: measured less predicted.
+struct Comparison {
+  Rebound predicted;
+  double vx_residual_mps = 0.0;
+  double omega_residual_radps = 0.0;
+  std::optional<double> z_vx;  ///< residual over the lift-off's stated sd; absent if that is 0
+  std::optional<double> z_omega;
+  /// Over the sd of lift-off and of the prediction from touchdown and e (not from the parameters).
+  std::optional<double> z_vx_with_inputs;
+  std::optional<double> z_omega_with_inputs;
+};
+
+/// Over several comparisons; absent z-scores are left out.
+struct ResidualStatistics {
+  double rms_vx_mps = 0.0;
+  double rms_omega_radps = 0.0;
+  int count = 0;
+  int within_sd_vx = 0;  ///< |z| <= 1
+  int within_sd_omega = 0;
+  double rms_z_vx = 0.0;
+  double rms_z_omega = 0.0;
+};
+
+ResidualStatistics residual_statistics(std::span<const Comparison> comparisons);
+
+/// Compares observations with a model of given parameters. Precondition: inputs that fit() accepts.
+std::vector<Comparison> compare(std::span<const Observation> observations, ReboundModel model,
+                                const ParameterValues& parameters, double diameter_m);
 
 }  // namespace strobe::impact

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "common/impact/fit/coefficient_prior.hpp"
+#include "common/impact/fit/rebound_model.hpp"
 
 namespace strobe::impact {
 

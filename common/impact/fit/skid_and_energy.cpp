@@ -14,7 +14,7 @@ namespace {
 constexpr int kInputs = 5;  // vx, vy, omega at touchdown; vy at lift-off; dwell time
 
 /// The inputs with one of them moved by a number of its sds.
-ContactObservation moved(ContactObservation o, int input, double sds) {
+Observation moved(Observation o, int input, double sds) {
   double vy_lo = -o.e * o.touchdown.vy_mps;
   switch (input) {
     case 0:
@@ -81,7 +81,7 @@ std::optional<double> time_of_impulse(const NormalSpring& spring, double e, doub
   return 0.5 * (low + high) / spring.frequency_radps;
 }
 
-std::optional<double> grip_by_impulse(const ContactObservation& o, const ContactVector& p) {
+std::optional<double> grip_by_impulse(const Observation& o, const ContactVector& p) {
   const ball::Ball ball = ball_of(p);
   const auto spring = normal_spring(ball.mass_kg, o.e, o.dwell_s);
   if (!spring || !(p[kFitMu] > 0.0)) return std::nullopt;
@@ -112,7 +112,7 @@ enum Quantity : std::size_t {
 using Values = std::array<std::optional<double>, kQuantities>;
 
 /// All nullopt where the model refuses the inputs.
-Values evaluate(const ContactObservation& o, const ContactVector& p, const ContactFitOptions& options) {
+Values evaluate(const Observation& o, const ContactVector& p, const ContactFitOptions& options) {
   const auto s = simulate(ball_of(p), o.touchdown, coefficients_of(o, p, options), options.contact());
   if (!s) return {};
   const ContactEnergy& e = s->energy;
@@ -128,7 +128,7 @@ Values evaluate(const ContactObservation& o, const ContactVector& p, const Conta
           e.offset_j};
 }
 
-std::array<std::optional<ValueSd>, kQuantities> with_sds(const ContactObservation& o, const ContactFit& fit,
+std::array<std::optional<ValueSd>, kQuantities> with_sds(const Observation& o, const ContactFit& fit,
                                                          const ContactFitOptions& options) {
   const Values middle = evaluate(o, fit.value, options);
   std::vector<DeltaMethod> sums(middle.begin(), middle.end());
@@ -150,7 +150,7 @@ std::array<std::optional<ValueSd>, kQuantities> with_sds(const ContactObservatio
 }
 
 /// With the published sd of the six velocities and the fitted alpha's.
-ValueSd measured_loss(const ContactObservation& o, const ContactFit& fit) {
+ValueSd measured_loss(const Observation& o, const ContactFit& fit) {
   const ball::Ball ball = ball_of(fit.value);
   const double m = ball.mass_kg;
   double variance = 0.0;
@@ -171,10 +171,10 @@ ValueSd measured_loss(const ContactObservation& o, const ContactFit& fit) {
 
 }  // namespace
 
-Result<SkidAndEnergy> skid_and_energy(std::span<const ContactObservation> observations, const ContactFit& fit,
+Result<SkidAndEnergy> skid_and_energy(std::span<const Observation> observations, const ContactFit& fit,
                                       const ContactFitOptions& options) {
   SkidAndEnergy out;
-  for (const ContactObservation& o : observations) {
+  for (const Observation& o : observations) {
     const auto computed =
         simulate(ball_of(fit.value), o.touchdown, coefficients_of(o, fit.value, options), options.contact());
     if (!computed) return fail(o.name + ": " + std::string(message(computed.error())));

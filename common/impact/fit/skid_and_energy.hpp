@@ -47,7 +47,7 @@ struct SkidAndEnergy {
 };
 
 /// One entry per observation, in their order. Fails on an observation that simulate() refuses (named).
-Result<SkidAndEnergy> skid_and_energy(std::span<const ContactObservation> observations, const ContactFit& fit,
+Result<SkidAndEnergy> skid_and_energy(std::span<const Observation> observations, const ContactFit& fit,
                                       const ContactFitOptions& options = {});
 
 }  // namespace strobe::impact

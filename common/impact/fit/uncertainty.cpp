@@ -1,10 +1,9 @@
 #include "common/impact/fit/uncertainty.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
-#include "common/impact/fit/clustered_covariance.hpp"
-#include "common/impact/fit/confidence_interval.hpp"
 #include "common/statistics/distributions.hpp"
 
 namespace strobe::impact {
@@ -12,12 +11,181 @@ namespace strobe::impact {
 namespace {
 
 using Eigen::Index;
-using Eigen::Matrix2d;
 using Eigen::MatrixXd;
-using Eigen::Vector2d;
 using Eigen::VectorXd;
 
+constexpr double kTolerance = 5e-3;      ///< of an end, in sds
 constexpr double kRankTolerance = 1e-8;  // derivatives by differences are good to about 1e-10
+
+struct FunctionValue {
+  double at = 0.0;
+  double value = 0.0;
+};
+
+/// A bracketed root by regula falsi with the Illinois rule (M. Dowell and P. Jarratt, BIT 11, 1971), for functions that are
+/// costly and about straight: the end of the last bracket on the side of `second`, whose value has the other sign than that of `first` or is 0.
+/// Done when the ends are within `tolerance`, or the value is 0.
+template <typename Function>
+FunctionValue regula_falsi(Function function, FunctionValue first, FunctionValue second, double tolerance) {
+  assert((first.value > 0.0) != (second.value > 0.0) || second.value == 0.0);
+  constexpr int kMaxSteps = 100;
+  double first_weight = first.value, second_weight = second.value;
+  int last = 0;
+  for (int i = 0; i < kMaxSteps && std::abs(second.at - first.at) > tolerance && second.value != 0.0; ++i) {
+    const double at = first.at + (second.at - first.at) * first_weight / (first_weight - second_weight);
+    const FunctionValue now{at, function(at)};
+    if ((now.value > 0.0) == (first.value > 0.0) && now.value != 0.0) {
+      first = now;
+      first_weight = now.value;
+      if (last == 1) second_weight *= 0.5;
+      last = 1;
+    } else {
+      second = now;
+      second_weight = now.value;
+      if (last == 2) first_weight *= 0.5;
+      last = 2;
+    }
+  }
+  return second;
+}
+
+/// How many sds the best fit under a value of the parameter is worse than the best of all, less `t`.
+class Profile {
+ public:
+  Profile(const Fitter& least, Parameter parameter, double unit, double t)
+      : fitter_(least), parameter_(parameter), least_(least.chi2()), unit_(unit), t_(t) {}
+
+  double operator()(double value) {
+    fitter_ = fitter_.with_fixed(parameter_, value);
+    fitter_.refine();
+    return std::sqrt(std::max(0.0, fitter_.chi2() - least_) / unit_) - t_;
+  }
+
+ private:
+  Fitter fitter_;
+  Parameter parameter_;
+  double least_;
+  double unit_;
+  double t_;
+};
+
+/// One end: steps outwards until the profile is above the step, then back to it.
+std::optional<double> end_of(Profile profile, double value, double step, double bound, double t) {
+  FunctionValue inside{value, -t};
+  for (double reach = step; inside.at != bound; reach *= 2.0) {
+    const double at = step > 0.0 ? std::min(bound, inside.at + reach) : std::max(bound, inside.at + reach);
+    const FunctionValue now{at, profile(at)};
+    if (now.value > 0.0) return regula_falsi(profile, inside, now, kTolerance * std::abs(step) / t).at;
+    inside = now;
+  }
+  return std::nullopt;
+}
+
+struct Interval {
+  std::optional<double>
+      lower;  ///< absent where the profile stays below the step down to the parameter's bound
+  std::optional<double> upper;
+};
+
+/// `sd` sets the step, the sum of squares at `sd` from the value of a linear model; `t` the interval's ends in sds. `unit`: the
+/// rise of the sum of squares at one sd.
+Interval profile_interval(const Fitter& least, Parameter parameter, double sd, double unit, double t) {
+  const double value = least.values()[index(parameter)];
+  if (!(unit > 0.0) || !(sd > 0.0)) return {value, value};
+  const Profile profile(least, parameter, unit, t);
+  const double radius = 0.5 * least.options().diameter_m;
+  return {end_of(profile, value, -t * sd, lower_bound(parameter), t),
+          end_of(profile, value, t * sd, upper_bound(parameter, radius), t)};
+}
+
+/// Least twice the logarithm of the likelihood ratio for a contact that slides, or grips: 3.5 sd, as the
+/// contact that looks most like it is one of many.
+constexpr double kSlidingEvidence = 12.0;
+constexpr double kLimitTolerance = 1e-7;  ///< relative
+constexpr double kStepDown = 0.05;        ///< first step to the limit, of the range down to the lower bound
+
+/// Likelihoods with the weights that each fit gives the residuals, the variance known or estimated from the better one.
+bool may_be_noise(const Fitter& least, const Fitter& without) {
+  const double chi2 = least.chi2(), rise = without.chi2() - chi2;
+  const double weights = without.log_determinant() - least.log_determinant();
+  if (least.options().scale == CovarianceScale::stated) return rise + weights < kSlidingEvidence;
+  const int dof = least.degrees_of_freedom(), between = least.degrees_of_freedom_between();
+  if (dof < 1 || between < 1 || !(without.reduced(without.chi2(), dof) > 0.0)) return true;
+  const double variance = least.reduced(chi2, dof);
+  return variance > 0.0 && between * std::log1p(rise / (variance * between)) + weights < kSlidingEvidence;
+}
+
+/// The largest value that some contact depends on: that of mu which the contact with the most friction needs. Of e_x, its
+/// upper bound.
+double largest_that_matters(const Fitter& fitter, Parameter parameter) {
+  const FitOptions& options = fitter.options();
+  if (parameter != Parameter::mu) return upper_bound(parameter, 0.5 * options.diameter_m);
+  double largest = 0.0;
+  for (const Comparison& c :
+       compare(fitter.observations(), options.model, fitter.values(), options.diameter_m))
+    largest = std::max(largest, std::abs(c.predicted.impulse_ratio));
+  return largest;
+}
+
+/// The root of the sum of squares under a value of the parameter, from the best fit under the last one: it rises about
+/// linearly beyond what the contacts allow.
+class RootOfSquares {
+ public:
+  RootOfSquares(const Fitter& fitter, Parameter parameter) : fitter_(fitter), parameter_(parameter) {}
+
+  double operator()(double value) {
+    fitter_ = fitter_.with_fixed(parameter_, value);
+    fitter_.refine();
+    return std::sqrt(fitter_.chi2());
+  }
+
+ private:
+  Fitter fitter_;
+  Parameter parameter_;
+};
+
+/// The value below `high` below which the sum of squares has risen by `rise`, bracketed downwards; the lower bound if it
+/// rises nowhere so far.
+double crossing(const Fitter& fitter, Parameter parameter, double high, double rise) {
+  RootOfSquares root(fitter, parameter);
+  const double level = std::sqrt(fitter.chi2() + rise);
+  const double least = lower_bound(parameter);
+  const double tolerance = kLimitTolerance * std::abs(high);
+  // What was found on the way down: from another start the same value may end in another valley, above the level, too.
+  FunctionValue below{high, std::sqrt(fitter.chi2()) - level}, low = below;
+  for (double step = kStepDown * (high - least); low.at > least && !(low.value > 0.0); step *= 2.0) {
+    below = low;
+    low.at = std::max(least, low.at - step);
+    low.value = root(low.at) - level;
+  }
+  if (!(low.value > 0.0)) return least;
+  return regula_falsi([&](double value) { return root(value) - level; }, low, below, tolerance).at;
+}
+
+/// Of a fit at its least sum of squares, for mu and e_x: the lower end of a one-sided interval of kLimitLevel where noise
+/// alone may have made a contact look as if it slid (mu) or gripped (e_x). Returns nullopt if the parameter is not fitted,
+/// or such a contact is there: then it has a value.
+///
+/// Where all grip the sum of squares does not depend on mu, but has its least just below what the contact with the most
+/// friction needs: its noise is then fitted by a little sliding. Likewise for e_x where all slide. So the likelihood
+/// ratio of that least to the best fit with the parameter at its upper bound decides, the variance being that of the
+/// residuals (of the clusters where they scatter). The limit is where the sum of squares has risen over that of
+/// either by the square of Student's t, the lower of the two.
+std::optional<double> limit_without_evidence(const Fitter& least, Parameter parameter) {
+  if (!least.fits(parameter)) return std::nullopt;
+  Fitter without = least.with_fixed(parameter, upper_bound(parameter, 0.5 * least.options().diameter_m));
+  without.search_with_this_scatter();
+  const double chi2 = without.chi2();
+  if (!may_be_noise(least, without)) return std::nullopt;
+  const int dof = without.degrees_of_freedom(), between = std::max(1, without.degrees_of_freedom_between());
+  const bool stated = least.options().scale == CovarianceScale::stated;
+  const double t =
+      statistics::student_t_quantile(stated ? statistics::kAsGoodAsNormal : between, 1.0 - kLimitLevel);
+  const double rise = t * t * (stated ? 1.0 : without.reduced(chi2, dof));
+  // Each with its own weights: the value of the least sum of squares is never excluded.
+  return std::min(crossing(without, parameter, largest_that_matters(without, parameter), rise),
+                  crossing(least, parameter, least.values()[index(parameter)], rise));
+}
 
 /// Columns of the Jacobian by the status of their parameters.
 struct Columns {
@@ -144,6 +312,7 @@ class Uncertainty {
     VectorXd sd(fitted.cols());
     for (Index k = 0; k < fitted.cols(); ++k) {
       const VarianceRatio& ratio = ratios[static_cast<std::size_t>(k)];
+      assert(ratio.degrees_of_freedom >= 1.0);
       const double once = std::sqrt(ratio.variance * unscaled(k, k));
       const bool clustered = fitter_.options().scale == CovarianceScale::clustered;
       sd[k] = once * (clustered
@@ -192,6 +361,11 @@ class Uncertainty {
 
 tl::expected<void, FitFailure> add_uncertainty(const Fitter& fitter, ModelFit& fit) {
   if (fitter.free().empty()) return {};
+  for (const Parameter p : {Parameter::mu, Parameter::e_x}) {
+    FittedParameter& parameter = fit.parameters[index(p)];
+    parameter.limit = parameter.lower = limit_without_evidence(fitter, p);
+    if (parameter.limit) parameter.status = ParameterStatus::undetermined;
+  }
   return Uncertainty(fitter, fit).add();
 }
 

@@ -1,5 +1,7 @@
 #include "common/impact/ode/contact_collocation.hpp"
 
+#include <cassert>
+
 #include "common/impact/ode/friction_law.hpp"
 
 namespace strobe::impact::detail {
@@ -35,6 +37,7 @@ class Collocation {
     while (x_ < c_.normal.end()) {
       if (++out_.segments > static_cast<int>(kMaxSegments) || !step()) return std::nullopt;
     }
+    assert(!stored_ || stored_->count == static_cast<std::size_t>(out_.segments));
     out_.tau = c_.normal.release_tau();
     out_.rate = from_.rate;
     out_.release = at_;

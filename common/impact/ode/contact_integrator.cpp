@@ -5,13 +5,12 @@
 #include <limits>
 
 #include "common/impact/ode/event_location.hpp"
-#include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::impact::detail {
 
 namespace {
 
-constexpr int kMaxSteps = 200'000;        // of the adaptive method
+constexpr int kMaxSteps = 200'000;
 constexpr double kMaxTime = 400.0;        // about 130 dwell times: gravity holds the ball
 constexpr double kChatteringStep = 1e-7;  // where rounding cannot tell grip from slip
 constexpr double kMaxStep = 0.25;
@@ -20,12 +19,11 @@ constexpr double kSafety = 0.1;       // fraction of the tolerance at release th
 
 class ContactIntegrator {
  public:
-  ContactIntegrator(const System& system, const ContactOptions& options, std::vector<ContactStep>* steps)
-      : s_(system), options_(options), stored_(steps), mode_(initial_mode(system)) {
+  ContactIntegrator(const System& system, double tolerance, std::vector<ContactStep>* steps)
+      : s_(system), tolerance_(tolerance), stored_(steps), mode_(initial_mode(system)) {
     z_[kDepthRate] = 1.0;
     started_gripping_ = mode_ == ContactMode::grips;
-    fixed_size_ = release_phase(s_.zeta) / options.steps;
-    size_ = options.method == ContactMethod::dormand_prince ? std::min(1e-2, first_size()) : fixed_size_;
+    size_ = std::min(1e-2, first_size());
     set_scales();
     if (stored_) stored_->clear();
     if (s_.slip0 == 0.0) slip_zero_ = 0.0;
@@ -35,8 +33,7 @@ class ContactIntegrator {
 
   tl::expected<ContactSummary, InputError> integrate_to_release() {
     derivative_ = derivative(s_, z_, mode_);
-    const int most = adaptive() ? kMaxSteps : std::numeric_limits<int>::max();
-    for (int i = 0; i < most; ++i) {
+    for (int i = 0; i < kMaxSteps; ++i) {
       if (!step()) return tl::unexpected(InputError::too_many_steps);
       if (released_) return summary();
       if (tau_ > kMaxTime) return tl::unexpected(InputError::no_release);
@@ -48,11 +45,10 @@ class ContactIntegrator {
   /// The footprint's radius starts as a square root of time, which the embedded error estimate sees only in
   /// part: its error in the first step is kept below the tolerance by the step's size.
   double first_size() const {
-    const double smooth = 0.05 * std::pow(options_.tolerance, 0.2);
+    const double smooth = 0.05 * std::pow(tolerance_, 0.2);
     if (s_.delta == 0.0) return smooth;
     // That error grows as size^1.5 over the root of the time in which the footprint fills.
-    return std::min(smooth,
-                    0.2 * std::pow(options_.tolerance, 2.0 / 3.0) * std::cbrt(std::min(1.0, s_.radius)));
+    return std::min(smooth, 0.2 * std::pow(tolerance_, 2.0 / 3.0) * std::cbrt(std::min(1.0, s_.radius)));
   }
 
   void set_scales() {
@@ -63,10 +59,8 @@ class ContactIntegrator {
     scale_[kDepth] = scale_[kDepthRate] = scale_[kDampingLoss] = 1.0;
     scale_[kStretch] = tangential / std::max(1.0, s_.kt);
     scale_[kSlidingLoss] = scale_[kTangentialLoss] = scale_[kOffsetLoss] = std::max(energy, kMinScale);
-    for (double& scale : scale_) scale = 1.0 / (scale * kSafety * options_.tolerance);
+    for (double& scale : scale_) scale = 1.0 / (scale * kSafety * tolerance_);
   }
-
-  bool adaptive() const { return options_.method == ContactMethod::dormand_prince; }
 
   struct Event {
     double size;  ///< from the step's start
@@ -100,12 +94,8 @@ class ContactIntegrator {
   /// One step, up to the next event if there is one. Returns false if there is no room for more events.
   bool step() {
     const double size = attempt();
-    DenseStep dense{s_,
-                    options_.method,
-                    {tau_, size, mode_, z_, derivative_},
-                    end_,
-                    derivative(s_, end_, mode_),
-                    &evaluations_};
+    DenseStep dense{
+        s_, {tau_, size, mode_, z_, derivative_}, end_, derivative(s_, end_, mode_), &evaluations_};
     ++evaluations_;
     dense.interpolate_quarters();
     if (size <= kChatteringStep && chattering_ > 2) {
@@ -121,12 +111,6 @@ class ContactIntegrator {
   /// Takes a step into end_ and returns its size.
   double attempt() {
     if (chattering_ > 2) size_ = std::min(size_, kChatteringStep);
-    if (!adaptive()) {
-      const double size = chattering_ > 2 ? size_ : fixed_size_;
-      end_ = take_step(s_, options_.method, mode_, z_, derivative_, size);
-      evaluations_ += options_.method == ContactMethod::rk4 ? 3 : 1;
-      return size;
-    }
     for (;;) {
       State error;
       end_ = take_step_with_error(s_, mode_, z_, derivative_, size_, error);
@@ -156,7 +140,7 @@ class ContactIntegrator {
     z_ = end;
     update_force_max(z_, tau_, false);
     friction_max_ = std::max(friction_max_, std::abs(s_.friction(z_, mode_)));
-    if (adaptive()) size_ = event ? std::max(size_ - size, 0.1 * size_) : next_size_;
+    size_ = event ? std::max(size_ - size, 0.1 * size_) : next_size_;
     if (event == EventFunction::release) {
       released_ = true;
       return add(ContactEventKind::release, tau_);
@@ -224,11 +208,10 @@ class ContactIntegrator {
   }
 
   ContactSummary summary() const;
-  ContactEnergy energy() const;
   [[maybe_unused]] bool is_consistent(const ContactSummary& summary) const;
 
   const System& s_;
-  const ContactOptions& options_;
+  double tolerance_;
   std::vector<ContactStep>* stored_;
   ContactMode mode_;
   State z_{};
@@ -238,7 +221,6 @@ class ContactIntegrator {
   double tau_ = 0.0;
   double size_ = 0.0;
   double next_size_ = 0.0;
-  double fixed_size_ = 0.0;
   bool released_ = false;
   bool full_ = false;  ///< the depth is past the radius: the footprint has its largest size
   bool started_gripping_ = false;
@@ -257,39 +239,14 @@ class ContactIntegrator {
   double friction_max_ = 0.0;
 };
 
-ContactEnergy ContactIntegrator::energy() const {
-  const double unit = s_.mass_kg * s_.speed_mps * s_.speed_mps;
-  const double vy = z_[kDepthRate];
-  const double dx = z_[kVxChange];
-  const double dw = z_[kSpinChange];
-  const double before = 0.5 * (s_.vx0 * s_.vx0 + 1.0 + s_.alpha * s_.w0 * s_.w0);
-  const double lost =
-      0.5 * (1.0 - vy) * (1.0 + vy) - dx * (s_.vx0 + 0.5 * dx) - s_.alpha * dw * (s_.w0 + 0.5 * dw);
-  ContactEnergy e;
-  e.kinetic_td_j = unit * before;
-  e.kinetic_lo_j =
-      unit * 0.5 * ((s_.vx0 + dx) * (s_.vx0 + dx) + vy * vy + s_.alpha * (s_.w0 + dw) * (s_.w0 + dw));
-  e.kinetic_lost_j = unit * lost;
-  e.normal_damping_j = unit * z_[kDampingLoss];
-  e.sliding_j = unit * z_[kSlidingLoss];
-  e.tangential_damping_j = unit * z_[kTangentialLoss];
-  e.offset_j = unit * z_[kOffsetLoss];
-  e.normal_spring_left_j = unit * 0.5 * z_[kDepth] * z_[kDepth];
-  e.tangential_spring_left_j = unit * 0.5 * s_.kt * z_[kStretch] * z_[kStretch];
-  e.gravity_work_j = unit * s_.gravity * z_[kDepth];
-  if (s_.along != 0.0) e.gravity_work_j += unit * s_.along * s_.path(tau_, z_[kPathChange]);
-  return e;
-}
-
 ContactSummary ContactIntegrator::summary() const {
-  const double second = 1.0 / s_.frequency_radps;
-  const double metre = s_.speed_mps * second;
+  const double second = 1.0 / s_.frequency_radps, metre = s_.speed_mps * second;
   const double newton = s_.mass_kg * s_.speed_mps * s_.frequency_radps;
+  const double joule = s_.mass_kg * s_.speed_mps * s_.speed_mps;
   const double normal_impulse = 1.0 - z_[kDepthRate];
   ContactSummary out;
-  out.lift_off = {s_.speed_mps * (s_.vx0 + z_[kVxChange]), -s_.speed_mps * z_[kDepthRate],
-                  s_.speed_mps * (s_.w0 + z_[kSpinChange]) / s_.radius_m};
-  out.dwell_s = tau_ * second;
+  static_cast<ContactLiftOff&>(out) = lift_off_of(s_, z_, tau_);
+  out.method = ContactMethod::dormand_prince;
   if (slip_zero_) out.slip_zero_s = *slip_zero_ * second;
   if (started_gripping_ && slip_zero_ && (!first_grip_ || *slip_zero_ < *first_grip_))
     out.skid_to_grip_s = 0.0;
@@ -302,13 +259,14 @@ ContactSummary ContactIntegrator::summary() const {
   out.max_force_n = force_max_ * newton;
   out.max_force_time_s = force_time_ * second;
   out.max_friction_n = friction_max_ * newton;
-  out.dwell_distance_m = metre * s_.path(tau_, z_[kPathChange]);
-  out.rotation_rad = metre * (s_.w0 * tau_ + z_[kAngleChange]) / s_.radius_m;
   out.slip_lo_mps = s_.speed_mps * s_.slip(z_);
   out.impulse_ratio = (0.0 - z_[kVxChange]) / normal_impulse;
   out.mean_offset_m = s_.radius_m * z_[kOffsetImpulse] / normal_impulse;
-  out.energy = energy();
-  out.method = options_.method;
+  out.energy = energy_at_release(s_, z_, tau_);
+  out.energy.normal_damping_j = joule * z_[kDampingLoss];
+  out.energy.sliding_j = joule * z_[kSlidingLoss];
+  out.energy.tangential_damping_j = joule * z_[kTangentialLoss];
+  out.energy.offset_j = joule * z_[kOffsetLoss];
   out.events = events_;
   out.event_count = event_count_;
   out.steps = steps_;
@@ -318,7 +276,7 @@ ContactSummary ContactIntegrator::summary() const {
 }
 
 /// Events are in order of time, and no loss of energy is negative beyond the tolerance of its scale. With a
-/// constant offset, and with fixed steps however coarse, losses are not bounded.
+/// constant offset losses are not bounded.
 bool ContactIntegrator::is_consistent(const ContactSummary& summary) const {
   // Speeds are in units of the touchdown's, so each is known to some roundings of 1; the energy of such an error.
   constexpr double kRoundedEnergy = 1.3e-29;  // (16 · 2.2e-16)²
@@ -327,7 +285,7 @@ bool ContactIntegrator::is_consistent(const ContactSummary& summary) const {
       std::is_sorted(events.begin(), events.end(),
                      [](const ContactEvent& a, const ContactEvent& b) { return a.time_s < b.time_s; });
   if (!sorted || events.empty() || events.back().kind != ContactEventKind::release) return false;
-  if (!adaptive() || s_.ahead != 0.0) return true;
+  if (s_.ahead != 0.0) return true;
   for (const Component loss : {kDampingLoss, kSlidingLoss, kTangentialLoss, kOffsetLoss})
     if (z_[loss] * scale_[loss] < -10.0 / kSafety && z_[loss] < -kRoundedEnergy) return false;
   return true;
@@ -335,21 +293,13 @@ bool ContactIntegrator::is_consistent(const ContactSummary& summary) const {
 
 }  // namespace
 
-tl::expected<ContactSummary, InputError> integrate(const System& system, const ContactOptions& asked,
+tl::expected<ContactSummary, InputError> integrate(const System& system, const ContactOptions& options,
                                                    std::vector<ContactStep>* steps) {
-  ContactOptions options = asked;
-  if (options.method == ContactMethod::collocation) {
-    // What collocation gives up is hard for steps as well, which may miss how sharply an offset turns round.
-    options.method = ContactMethod::dormand_prince;
-    if (options.tolerance >= 1e-12 && options.tolerance <= 1e-3) options.tolerance = 1e-12;
-  }
-  const bool adaptive = options.method == ContactMethod::dormand_prince;
-  if (adaptive && !(options.tolerance >= 1e-12 && options.tolerance <= 1e-3))
+  if (!(options.tolerance >= 1e-12 && options.tolerance <= 1e-3))
     return tl::unexpected(InputError::tolerance_out_of_range);
-  if (!adaptive && (options.steps < 4 || options.steps > 10'000'000))
-    return tl::unexpected(InputError::tolerance_out_of_range);
-  ContactIntegrator contact(system, options, steps);
-  return contact.integrate_to_release();
+  // What collocation gives up is hard for steps as well, which may miss how sharply an offset turns round.
+  const double tolerance = options.method == ContactMethod::collocation ? 1e-12 : options.tolerance;
+  return ContactIntegrator(system, tolerance, steps).integrate_to_release();
 }
 
 }  // namespace strobe::impact::detail

@@ -22,8 +22,8 @@
 //
 // Numerics, in units of |vy|, sqrt(m/k) and m, as changes since touchdown, so that no range of speeds loses digits.
 //
-// dormand_prince, the reference and what takes over where collocation gives up: the embedded pair 5(4) with the error of speeds, displacements and energies within the
-// tolerance; or fixed steps of RK4 or semi-implicit Euler. Mode changes and the release are bracketed on the step's
+// dormand_prince, the reference and what takes over where collocation gives up: the embedded pair 5(4) with the error of
+// speeds, displacements and energies within the tolerance. Mode changes and the release are bracketed on the step's
 // cubic Hermite interpolant and then located to rounding by repeating the step with that size, so that no step spans a
 // change of mode and the method keeps its order; likewise friction reversals, the deepest point and the largest force.
 // Where rounding decides between grip and slip, the present mode is kept for 1e-7 of sqrt(m/k).
@@ -124,15 +124,15 @@ struct ContactEnergy {
 };
 
 /// Of the same laws. What was asked for and what a summary names differ where collocation gives up.
-enum class ContactMethod { dormand_prince, rk4, semi_implicit_euler, collocation };
+enum class ContactMethod { collocation, dormand_prince };
 
 constexpr std::string_view name(ContactMethod method) {
-  constexpr std::array<std::string_view, 4> names{"dormand_prince", "rk4", "semi_implicit_euler",
-                                                  "collocation"};
+  constexpr std::array<std::string_view, 2> names{"collocation", "dormand_prince"};
   return names[static_cast<std::size_t>(method)];
 }
 
-struct ContactSummary {
+/// What a contact leaves behind it.
+struct ContactLiftOff {
   Motion lift_off;
   /// grips: the contact point stuck, or came to a stop as a rigid one (s = 0), before release.
   Regime regime = Regime::slides;
@@ -140,6 +140,13 @@ struct ContactSummary {
   /// Skidding ends: the first grip after slipping; 0 where the ball grips from touchdown on; nullopt where it
   /// never sticks (the tangential spring may hold briefly as the force sets in: that is no grip).
   std::optional<double> skid_to_grip_s;
+  double dwell_distance_m = 0.0;                      ///< of the centre along the surface
+  double rotation_rad = 0.0;                          ///< touchdown to release, counter-clockwise
+  ContactMethod method = ContactMethod::collocation;  ///< that computed it, not always the one asked for
+};
+
+/// With the times and sums on the way.
+struct ContactSummary : ContactLiftOff {
   /// The ball's rigid contact point stops, s = vx + R·omega = 0, as seen from the velocities alone; the
   /// tangential spring's stretch separates it from skid_to_grip_s. nullopt if it does not stop.
   std::optional<double> slip_zero_s;
@@ -148,17 +155,14 @@ struct ContactSummary {
   double max_depth_time_s = 0.0;
   double max_force_n = 0.0;  ///< largest N; at touchdown where the dashpot dominates
   double max_force_time_s = 0.0;
-  double max_friction_n = 0.0;    ///< largest |F| at the ends of steps and events
-  double dwell_distance_m = 0.0;  ///< of the centre along the surface
-  double rotation_rad = 0.0;      ///< touchdown to release, counter-clockwise
-  double slip_lo_mps = 0.0;       ///< vx + R·omega at release
-  double impulse_ratio = 0.0;     ///< (vx_TD - vx_LO)/(vy_LO - vy_TD)
-  double mean_offset_m = 0.0;     ///< impulse-weighted offset of the normal force, along +x
+  double max_friction_n = 0.0;  ///< largest |F| at the ends of steps and events
+  double slip_lo_mps = 0.0;     ///< vx + R·omega at release
+  double impulse_ratio = 0.0;   ///< (vx_TD - vx_LO)/(vy_LO - vy_TD)
+  double mean_offset_m = 0.0;   ///< impulse-weighted offset of the normal force, along +x
   ContactEnergy energy;
   std::array<ContactEvent, kMaxContactEvents> events{};
   int event_count = 0;
-  ContactMethod method = ContactMethod::collocation;  ///< that computed it, not always the one asked for
-  int steps = 0;                                      ///< collocation: segments
+  int steps = 0;        ///< collocation: segments
   int evaluations = 0;  ///< of the right-hand side, those of locating events included
 
   std::span<const ContactEvent> event_list() const {
@@ -168,9 +172,7 @@ struct ContactSummary {
 
 struct ContactOptions {
   ContactMethod method = ContactMethod::collocation;
-  /// dormand_prince, collocation: error at release relative to the scale of each motion, 1e-12…1e-3.
-  double tolerance = 1e-9;
-  int steps = 200;  ///< fixed-step methods: steps from touchdown to release without gravity, 4…1e7
+  double tolerance = 1e-9;  ///< error at release relative to the scale of each motion, 1e-12…1e-3
 };
 
 /// One contact, without its trajectory. Errors: not_finite, ball_out_of_range, not_approaching,
@@ -183,17 +185,6 @@ struct ContactOptions {
 tl::expected<ContactSummary, InputError> simulate(const ball::Ball& ball, const Motion& touchdown,
                                                   const ContactCoefficients& coefficients,
                                                   const ContactOptions& options = {});
-
-/// What a contact leaves behind it, without the times and sums of ContactSummary.
-struct ContactLiftOff {
-  Motion lift_off;
-  Regime regime = Regime::slides;
-  double dwell_s = 0.0;
-  std::optional<double> skid_to_grip_s;
-  double dwell_distance_m = 0.0;
-  double rotation_rad = 0.0;
-  ContactMethod method = ContactMethod::collocation;  ///< that computed it
-};
 
 /// The same contact; by collocation at a small part of simulate()'s cost. Errors as for simulate().
 tl::expected<ContactLiftOff, InputError> lift_off(const ball::Ball& ball, const Motion& touchdown,

@@ -1,7 +1,10 @@
 #include "common/impact/ode/contact_sensitivity.hpp"
 
+#include <limits>
+
 #include "common/impact/ode/contact_collocation.hpp"
-#include "common/impact/ode/release_partials.hpp"
+#include "common/impact/ode/contact_integrator.hpp"
+#include "common/impact/ode/variational_equations.hpp"
 
 namespace strobe::impact {
 
@@ -14,18 +17,124 @@ using InputRow = std::array<double, kContactInputs>;
 
 constexpr std::size_t index(ContactInput input) { return static_cast<std::size_t>(input); }
 
-/// How the dimensionless inputs and the unit of time follow from the physical ones.
+/// Of the changes of vx and w since touchdown, by the dimensionless inputs.
+struct ReleasePartials {
+  ContactMethod method = ContactMethod::collocation;
+  Partials vx{}, spin{};
+};
+
+ReleasePartials by_variation(const detail::CollocationConstants& c, const detail::CollocatedContact& contact,
+                             const detail::Segments& segments) {
+  detail::VariationalEquations equations(c);
+  for (std::size_t k = 0; k < segments.count; ++k) {
+    const detail::Segment& segment = segments.all[k];
+    equations.advance(segment);
+    if (k + 1 < segments.count && segments.all[k + 1].mode != segment.mode)
+      equations.change_law(segment, segments.all[k + 1].mode);
+  }
+  const System& s = c.system;
+  const detail::NormalState normal = c.normal.at(contact.tau);
+  const detail::TangentialPartials& at = equations.partials();
+  ReleasePartials out;
+  out.vx = at.friction;
+  out.vx[detail::kByAlong] += contact.tau;
+  // The release comes when the force has gone: N + dN/dt·dtau = 0. Then neither friction nor couple act.
+  out.vx[detail::kByGravity] -=
+      s.along * (detail::normal_partials(s, normal).force / c.normal.force_rate(normal));
+  for (std::size_t k = 0; k < detail::kSystemInputs; ++k)
+    out.spin[k] = (at.couple[k] + at.friction[k]) / s.alpha;
+  out.spin[detail::kByAlpha] -= c.spin_change(contact.release) / s.alpha;
+  return out;
+}
+
+/// The inputs of a System in the order of SystemInput.
+double& input(System& s, std::size_t k) {
+  double* const all[] = {&s.gravity, &s.mu, &s.kt, &s.ct, &s.alpha, &s.delta, &s.w_ref, &s.radius, &s.along};
+  return *all[k];
+}
+
+/// What a change of the input is small against.
+double scale_of(const System& s, std::size_t k) {
+  switch (k) {
+    case detail::kByKt:
+      return s.kt;
+    case detail::kByAlpha:
+      return s.alpha;
+    case detail::kByReference:
+      return s.w_ref;
+    case detail::kByRadius:
+      return s.radius;
+    case detail::kByMu:
+      return std::hypot(s.mu, 0.01);
+    case detail::kByCt:
+      return std::hypot(s.ct, 0.1);
+    default:
+      return 0.1;
+  }
+}
+
+/// Changes of vx and w since touchdown.
+struct Change {
+  double vx = 0.0, spin = 0.0;
+};
+
+tl::expected<Change, InputError> integrated(System s, const ContactOptions& options) {
+  s.vx0 = 0.0;  // of no effect but on the sums
+  return detail::integrate(s, options, nullptr).map([&s](const ContactSummary& out) {
+    return Change{out.lift_off.vx_mps / s.speed_mps,
+                  out.lift_off.omega_radps * s.radius_m / s.speed_mps - s.w0};
+  });
+}
+
+/// Central differences; at the end of a range those of second order from within.
+tl::expected<ReleasePartials, InputError> by_differences(const System& system,
+                                                         const ContactOptions& options) {
+  constexpr double kStep = 3e-5;
+  const auto middle = integrated(system, options);
+  if (!middle) return tl::unexpected(middle.error());
+  ReleasePartials out{.method = ContactMethod::dormand_prince};
+  for (std::size_t k = 0; k < detail::kSystemInputs; ++k) {
+    System moved = system;
+    const double value = input(moved, k);
+    // A dashpot that holds the stretch back for a small part of the contact would take too many steps.
+    const double h = k == detail::kByCt && value == 0.0 ? 1e-3 : kStep * scale_of(system, k);
+    const bool ends_at_zero = k == detail::kByMu || k == detail::kByCt || k == detail::kByDelta;
+    const bool at_end = ends_at_zero && value < h;
+    const auto at = [&](double step) {
+      input(moved, k) = value + step;
+      return integrated(moved, options);
+    };
+    const auto one = at(h), other = at(at_end ? 2.0 * h : -h);
+    if (!one || !other) return tl::unexpected(one ? other.error() : one.error());
+    const auto slope = [&](double Change::*number) {
+      const double a = (*one).*number, b = (*other).*number, m = (*middle).*number;
+      return at_end ? (4.0 * (a - m) - (b - m)) / (2.0 * h) : (a - b) / (2.0 * h);
+    };
+    out.vx[k] = slope(&Change::vx);
+    out.spin[k] = slope(&Change::spin);
+  }
+  return out;
+}
+
+tl::expected<ReleasePartials, InputError> release_partials(const System& system,
+                                                           const ContactOptions& options) {
+  if (detail::collocates(options)) {
+    if (const auto constants = detail::CollocationConstants::make(system)) {
+      detail::Segments segments;
+      if (const auto contact = detail::collocate(*constants, options.tolerance, false, &segments))
+        return by_variation(*constants, *contact, segments);
+    }
+  }
+  return by_differences(system, options);
+}
+
+/// How the dimensionless inputs follow from the physical ones.
 struct InputScales {
   std::array<InputRow, detail::kSystemInputs> by{};
-  InputRow frequency{};
 
-  InputScales(const System& s, const Motion& touchdown, const ContactCoefficients& c) {
+  InputScales(const System& s, const ContactCoefficients& c) {
     using enum ContactInput;
-    const double v = s.speed_mps, f = s.frequency_radps, radius = s.radius_m;
-    const detail::SpringPartials spring = detail::spring_partials(s);
-    by[detail::kByZeta][index(e)] = spring.zeta_by_e;
-    frequency[index(e)] = f * spring.phase_by_e;
-    frequency[index(dwell_s)] = -f / c.dwell_s;
+    const double v = s.speed_mps, f = s.frequency_radps;
     by[detail::kByMu][index(mu)] = 1.0;
     by[detail::kByKt][index(stiffness_ratio)] = 1.0;
     by[detail::kByCt][index(stiffness_ratio)] = 0.5 * s.ct / s.kt;
@@ -33,27 +142,10 @@ struct InputScales {
     by[detail::kByAlpha][index(alpha)] = 1.0;
     by[detail::kByDelta][index(offset_share)] = 1.0;
     by[detail::kByReference][index(offset_reference_mps)] = 1.0 / v;
-    by[detail::kByRadius][index(diameter_m)] = 0.5 * f / v;
-    by[detail::kByGravity][index(gravity_mps2)] = 1.0 / (f * v);
-    by[detail::kByAlong][index(gravity_along_mps2)] = 1.0 / (f * v);
-    by[detail::kBySlip][index(vx_mps)] = 1.0 / v;
-    for (const auto q : {detail::kBySlip, detail::kBySpin}) {
-      by[q][index(omega_radps)] = radius / v;
-      by[q][index(diameter_m)] = 0.5 * touchdown.omega_radps / v;
-    }
-    for (const InputRow row = frequency; const auto k : {index(e), index(dwell_s)}) {
-      by[detail::kByRadius][k] += s.radius * row[k] / f;
-      by[detail::kByGravity][k] -= s.gravity * row[k] / f;
-      by[detail::kByAlong][k] -= s.along * row[k] / f;
-    }
-    // All of them go with 1/|vy|.
-    const std::size_t vy = index(vy_mps);
-    by[detail::kByReference][vy] = s.w_ref / v;
-    by[detail::kByRadius][vy] = s.radius / v;
-    by[detail::kByGravity][vy] = s.gravity / v;
-    by[detail::kByAlong][vy] = s.along / v;
-    by[detail::kBySlip][vy] = s.slip0 / v;
-    by[detail::kBySpin][vy] = s.w0 / v;
+    const double frequency = -f / c.dwell_s;
+    by[detail::kByRadius][index(dwell_s)] = s.radius * frequency / f;
+    by[detail::kByGravity][index(dwell_s)] = -(s.gravity * frequency / f);
+    by[detail::kByAlong][index(dwell_s)] = -(s.along * frequency / f);
   }
 
   InputRow of(const Partials& partials, double unit) const {
@@ -64,67 +156,25 @@ struct InputScales {
   }
 };
 
-void add(InputRow& to, const InputRow& what, double times) {
-  for (std::size_t k = 0; k < kContactInputs; ++k) to[k] += times * what[k];
-}
-
-/// From the dimensionless derivatives to those of ContactSensitivity.
-void fill_derivative(const System& s, const Motion& touchdown, const ContactCoefficients& c,
-                     const detail::ReleasePartials& p, ContactSensitivity& out) {
-  using enum ContactInput;
-  const InputScales scales(s, touchdown, c);
-  const double v = s.speed_mps, f = s.frequency_radps, radius = s.radius_m, metre = v / f;
-  const detail::ReleaseState& at = p.state;
-  auto& [vx, vy, omega, dwell, distance, rotation] = out.derivative;
-  const std::size_t of_vx = index(vx_mps), of_vy = index(vy_mps), of_omega = index(omega_radps),
-                    of_diameter = index(diameter_m);
-  vx = scales.of(p.vx, v);
-  vx[of_vx] += 1.0;
-  vx[of_vy] -= at.vx;
-  vy = scales.of(p.rate, -v);
-  vy[of_vy] += at.rate;
-  omega = scales.of(p.spin, v / radius);
-  omega[of_omega] += 1.0;
-  omega[of_vy] -= at.spin / radius;
-  omega[of_diameter] -= 0.5 * v * at.spin / (radius * radius);
-  dwell = scales.of(p.tau, 1.0 / f);
-  add(dwell, scales.frequency, -at.tau / (f * f));
-  distance = scales.of(p.path, metre);
-  rotation = scales.of(p.angle, metre / radius);
-  // Both lengths go with the unit of length, and have the share of the touchdown's motion over the dwell time.
-  const double rotated = metre * at.angle / radius;
-  add(distance, scales.frequency, -metre * at.path / f);
-  add(rotation, scales.frequency, -rotated / f);
-  distance[of_vy] -= at.path / f;
-  rotation[of_vy] -= at.angle / (f * radius);
-  rotation[of_diameter] -= 0.5 * rotated / radius;
-  add(distance, dwell, touchdown.vx_mps);
-  add(rotation, dwell, touchdown.omega_radps);
-  distance[of_vx] += at.tau / f;
-  rotation[of_omega] += at.tau / f;
-}
-
-ContactKink kink_of(const System& s, const Motion& touchdown) {
-  if (s.mu == 0.0 && s.slip0 == 0.0) return ContactKink::frictionless_rest;
-  if (s.ahead != 0.0 && s.delta > 0.0 && touchdown.vx_mps == 0.0) return ContactKink::offset_turns_round;
-  return ContactKink::none;
-}
-
 }  // namespace
 
-tl::expected<ContactSensitivity, InputError> lift_off_with_sensitivity(const ball::Ball& ball,
-                                                                       const Motion& touchdown,
-                                                                       const ContactCoefficients& c,
-                                                                       const ContactOptions& options) {
+tl::expected<ContactSensitivity, InputError> lift_off_sensitivity(const ball::Ball& ball,
+                                                                  const Motion& touchdown,
+                                                                  const ContactCoefficients& c,
+                                                                  const ContactOptions& options) {
   const auto system = detail::make_system(ball, touchdown, c);
   if (!system) return tl::unexpected(system.error());
-  const auto solved = detail::release_partials(*system, options);
-  if (!solved) return tl::unexpected(solved.error());
-  ContactSensitivity out;
-  out.contact = solved->contact;
-  out.kink = kink_of(*system, touchdown);
-  fill_derivative(*system, touchdown, c, *solved, out);
-  return out;
+  return release_partials(*system, options).map([&](const ReleasePartials& p) {
+    const InputScales scales(*system, c);
+    ContactSensitivity out{.method = p.method,
+                           .vx_mps = scales.of(p.vx, system->speed_mps),
+                           .omega_radps = scales.of(p.spin, system->speed_mps / system->radius_m)};
+    const bool unresolved = c.offset_share == 0.0 && p.method == ContactMethod::collocation;
+    if (unresolved)
+      out.vx_mps[index(ContactInput::offset_share)] = out.omega_radps[index(ContactInput::offset_share)] =
+          std::numeric_limits<double>::quiet_NaN();
+    return out;
+  });
 }
 
 }  // namespace strobe::impact

@@ -63,25 +63,6 @@ State combine(const State& z, double h, const std::array<Term, n>& terms) {
   return out;
 }
 
-State rk4(const System& s, ContactMode mode, const State& z, const State& k1, double h) {
-  const State k2 = derivative(s, combine<1>(z, h, {{{&k1, 0.5}}}), mode);
-  const State k3 = derivative(s, combine<1>(z, h, {{{&k2, 0.5}}}), mode);
-  const State k4 = derivative(s, combine<1>(z, h, {{{&k3, 1.0}}}), mode);
-  return combine<4>(z, h, {{{&k1, 1.0 / 6.0}, {&k2, 1.0 / 3.0}, {&k3, 1.0 / 3.0}, {&k4, 1.0 / 6.0}}});
-}
-
-/// Speeds by the derivatives at the start, then everything else by the derivatives at the new speeds.
-State semi_implicit_euler(const System& s, ContactMode mode, const State& z, const State& k1, double h) {
-  State speeds = z;
-  for (const std::size_t i : {kDepthRate, kVxChange, kSpinChange}) speeds[i] += h * k1[i];
-  const State k2 = derivative(s, speeds, mode);
-  State out = speeds;
-  for (const std::size_t i : {kDepth, kStretch, kPathChange, kAngleChange, kDampingLoss, kSlidingLoss,
-                              kTangentialLoss, kOffsetLoss, kOffsetImpulse})
-    out[i] += h * k2[i];
-  return out;
-}
-
 }  // namespace
 
 double System::friction(const State& z, ContactMode mode) const {
@@ -137,6 +118,33 @@ tl::expected<System, InputError> make_system(const ball::Ball& ball, const Motio
   return s;
 }
 
+ContactLiftOff lift_off_of(const System& s, const State& z, double tau) {
+  const double second = 1.0 / s.frequency_radps, metre = s.speed_mps * second;
+  ContactLiftOff out;
+  out.lift_off = {s.speed_mps * (s.vx0 + z[kVxChange]), -s.speed_mps * z[kDepthRate],
+                  s.speed_mps * (s.w0 + z[kSpinChange]) / s.radius_m};
+  out.dwell_s = tau * second;
+  out.dwell_distance_m = metre * s.path(tau, z[kPathChange]);
+  out.rotation_rad = metre * (s.w0 * tau + z[kAngleChange]) / s.radius_m;
+  return out;
+}
+
+ContactEnergy energy_at_release(const System& s, const State& z, double tau) {
+  const double unit = s.mass_kg * s.speed_mps * s.speed_mps;
+  const double vy = z[kDepthRate], dx = z[kVxChange], dw = z[kSpinChange];
+  const double lost =
+      0.5 * (1.0 - vy) * (1.0 + vy) - dx * (s.vx0 + 0.5 * dx) - s.alpha * dw * (s.w0 + 0.5 * dw);
+  ContactEnergy e;
+  e.kinetic_td_j = unit * 0.5 * (s.vx0 * s.vx0 + 1.0 + s.alpha * s.w0 * s.w0);
+  e.kinetic_lo_j = unit * 0.5 * ((s.vx0 + dx) * (s.vx0 + dx) + vy * vy + s.alpha * (s.w0 + dw) * (s.w0 + dw));
+  e.kinetic_lost_j = unit * lost;
+  e.normal_spring_left_j = unit * 0.5 * z[kDepth] * z[kDepth];
+  e.tangential_spring_left_j = unit * 0.5 * s.kt * z[kStretch] * z[kStretch];
+  e.gravity_work_j = unit * s.gravity * z[kDepth];
+  if (s.along != 0.0) e.gravity_work_j += unit * s.along * s.path(tau, z[kPathChange]);
+  return e;
+}
+
 State derivative(const System& s, const State& z, ContactMode mode) {
   const double normal = s.normal_force(z);
   const double acceleration = s.gravity - normal;
@@ -182,17 +190,7 @@ ContactMode initial_mode(const System& s) {
   return pulled ? slipping(s.along) : ContactMode::grips;
 }
 
-State take_step(const System& s, ContactMethod method, ContactMode mode, const State& z, const State& k1,
-                double h) {
-  switch (method) {
-    case ContactMethod::rk4:
-      return rk4(s, mode, z, k1, h);
-    case ContactMethod::semi_implicit_euler:
-      return semi_implicit_euler(s, mode, z, k1, h);
-    case ContactMethod::dormand_prince:
-    case ContactMethod::collocation:
-      break;
-  }
+State take_step(const System& s, ContactMode mode, const State& z, const State& k1, double h) {
   State error;
   return take_step_with_error(s, mode, z, k1, h, error);
 }

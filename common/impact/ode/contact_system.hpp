@@ -1,5 +1,5 @@
 // Implementation of contact_ode.hpp, which states the mechanics: the dimensionless equations, and one step of
-// each method. Speeds in |vy_TD|, times in sqrt(m/k), masses in m; tangential motion as changes since
+// dormand_prince. Speeds in |vy_TD|, times in sqrt(m/k), masses in m; tangential motion as changes since
 // touchdown. Pure, no allocation: thread-safe, real-time safe.
 #pragma once
 
@@ -84,15 +84,19 @@ constexpr ContactMode slipping(double direction) {
 tl::expected<System, InputError> make_system(const ball::Ball& ball, const Motion& touchdown,
                                              const ContactCoefficients& coefficients);
 
+/// In SI units, of the state at release: all but regime, end of skidding and method.
+ContactLiftOff lift_off_of(const System& system, const State& z, double tau);
+/// Likewise, but for what is lost on the way: the kinetic energies, what is left in the springs, the weight's work.
+ContactEnergy energy_at_release(const System& system, const State& z, double tau);
+
 State derivative(const System& system, const State& z, ContactMode mode);
 
 ContactMode initial_mode(const System& system);
 
-/// The end of a step of size h from z with slope k1 = derivative(z).
-State take_step(const System& system, ContactMethod method, ContactMode mode, const State& z, const State& k1,
-                double h);
+/// The end of a step of dormand_prince of size h from z with slope k1 = derivative(z).
+State take_step(const System& system, ContactMode mode, const State& z, const State& k1, double h);
 
-/// The same by dormand_prince, with the difference of its two orders.
+/// The same with the difference of its two orders.
 State take_step_with_error(const System& system, ContactMode mode, const State& z, const State& k1, double h,
                            State& error);
 

@@ -34,7 +34,6 @@ EventValue event_value(const System& system, EventFunction function, ContactMode
 /// Dense output of one step. Call interpolate_quarters() before find_crossing().
 struct DenseStep {
   const System& system;
-  ContactMethod method;
   ContactStep step;
   State end;
   State end_derivative;
@@ -42,7 +41,7 @@ struct DenseStep {
   std::array<State, 3> quarters{};  ///< cubic interpolants at 1/4, 1/2, 3/4
 
   void interpolate_quarters();
-  /// State `size` after the step's start, by one step of the method.
+  /// State `size` after the step's start, by one step.
   State at(double size) const;
   /// Cubic Hermite interpolant of the components that event functions use, to bracket their zeros.
   State interpolate(double fraction) const;

@@ -12,7 +12,7 @@
 
 #include <tl/expected.hpp>
 
-#include "common/impact/input_error.hpp"
+#include "common/impact/closed_form/rebound.hpp"
 
 namespace strobe::impact {
 

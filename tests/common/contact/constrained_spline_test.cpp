@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "common/contact/condition_inputs.hpp"
-#include "common/contact/cross_validation.hpp"
-#include "common/contact/differentiation/constrained_motion.hpp"
-#include "common/contact/differentiation/uniform_spline.hpp"
+#include "common/contact/standard_error.hpp"
+#include "common/contact/constrained_motion.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
 #include "tests/support/string_from.hpp"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "common/impact/ode/collocation_summary.hpp"
+#include "common/impact/ode/contact_collocation.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
 #include "common/impact/ode/segment_solver.hpp"
 #include "tests/common/contact_ode/drawn_contacts.hpp"

@@ -1,10 +1,9 @@
 // Lift-off and motion at a few instants: against the integrator's trajectory.
-#include "common/impact/ode/contact_course.hpp"
+#include "common/impact/ode/contact_trajectory.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "common/impact/ode/contact_trajectory.hpp"
 #include "tests/common/contact_ode/drawn_contacts.hpp"
 #include "tests/support/repetitions.hpp"
 

@@ -67,7 +67,7 @@ TEST(BoundedLeastSquares, ColumnsThatDependOnEachOtherHaveNoInverse) {
 TEST(BoundedLeastSquares, FindsTheEndOfRosenbrocksValley) {
   const auto problem = plane(rosenbrock, {-5, -5}, {5, 5});
   const LeastSquaresResult found = levenberg_marquardt(problem, Vector2d(-1.2, 1.0));
-  CHECK(found.converged);
+  CHECK(converged(found.termination));
   DOUBLES_EQUAL(1.0, found.parameters[0], 1e-12);
   DOUBLES_EQUAL(1.0, found.parameters[1], 1e-12);
 }
@@ -77,7 +77,7 @@ TEST(BoundedLeastSquares, FindsTheEndOfRosenbrocksValley) {
 TEST(BoundedLeastSquares, StopsAtABoundAndMovesAlongIt) {
   const LeastSquaresResult found =
       levenberg_marquardt(plane(rosenbrock, {-5, -5}, {0.5, 5}), Vector2d(-1.2, 1.0));
-  CHECK(found.converged);
+  CHECK(converged(found.termination));
   DOUBLES_EQUAL(0.5, found.parameters[0], 0.0);
   DOUBLES_EQUAL(0.25, found.parameters[1], 1e-8);
 }
@@ -123,7 +123,7 @@ TEST(BoundedLeastSquares, KeepsAwayFromWhereResidualsAreInfinite) {
     return Vector2d(x[0] * x[0] - 2.0, 0.1 * x[1]);
   };
   const LeastSquaresResult found = levenberg_marquardt(plane(residuals, {0, -2}, {9, 2}), Vector2d(0.1, 1.0));
-  CHECK(found.converged);
+  CHECK(converged(found.termination));
   CHECK(found.iterations > 1);
   DOUBLES_EQUAL(std::sqrt(2.0), found.parameters[0], 1e-12);
   DOUBLES_EQUAL(0.0, found.parameters[1], 1e-12);
@@ -138,7 +138,7 @@ TEST(BoundedLeastSquares, StopsWhereTheGainAskedForIsNotToBeHad) {
   const LeastSquaresResult whole = levenberg_marquardt(problem, Vector2d(1.0, 1.0));
   problem.function_tolerance = 0.01;
   const LeastSquaresResult early = levenberg_marquardt(problem, Vector2d(1.0, 1.0));
-  CHECK(whole.converged && early.converged);
+  CHECK(converged(whole.termination) && converged(early.termination));
   CHECK(early.iterations < whole.iterations);
   DOUBLES_EQUAL(1.0, whole.sum_of_squares, 1e-14);
   DOUBLES_EQUAL(1.0, early.sum_of_squares, 0.01);
@@ -153,4 +153,16 @@ TEST(BoundedLeastSquares, DerivativesAtABoundAreAsGoodAsInside) {
   DOUBLES_EQUAL(1.0, jac(0, 0), 1e-9);
   DOUBLES_EQUAL(std::cos(1.0), jac(1, 1), 1e-9);
   DOUBLES_EQUAL(0.0, jac(0, 1), 0.0);
+}
+
+TEST(BoundedLeastSquares, SaysWhyItStopped) {
+  const auto stop_of = [](auto residuals, const Vector2d& start) {
+    return levenberg_marquardt(plane(residuals, {0, 0}, {9, 9}), start).termination;
+  };
+  CHECK(Termination::tolerance == stop_of(rosenbrock, {0.5, 0.5}));
+  const auto outwards = [](const VectorXd& x) -> VectorXd { return Vector2d(1.0 + x[0], 2.0 + x[1]); };
+  CHECK(Termination::no_free_parameter == stop_of(outwards, {0.0, 0.0}));
+  const auto undefined = [](const VectorXd&) -> VectorXd { return Vector2d::Constant(INFINITY); };
+  CHECK(Termination::not_finite == stop_of(undefined, {1.0, 1.0}));
+  CHECK(!converged(Termination::iteration_limit) && !converged(Termination::not_finite));
 }

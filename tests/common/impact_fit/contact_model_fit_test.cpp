@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "common/impact/fit/coefficient_prior.hpp"
-#include "common/impact/fit/contact_gradient.hpp"
-#include "common/impact/fit/cross_validation.hpp"
+#include "common/impact/fit/rebound_model.hpp"
+#include "common/impact/fit/model_fit.hpp"
 #include "common/impact/ode/contact_ode.hpp"
 #include "common/impact/ode/normal_spring.hpp"
 #include "tests/common/impact_fit/check.hpp"

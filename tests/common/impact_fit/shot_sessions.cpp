@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "common/impact/fit/fit_checks.hpp"
+#include "common/impact/fit/model_fit.hpp"
 #include "common/reduction/reduce.hpp"
 #include "sim/loading/load_scene.hpp"
 #include "sim/shoot/shoot.hpp"

@@ -151,7 +151,7 @@ TEST(PhysicsCommands, PredictNamesWhatIsWrongWithAContact) {
   check_refused(predict("10", "-12", {"--model", "ode", "--ct", "11"}),
                 "predict: e is below 0.001, or a spring or damping ratio is out of its range");
   check_refused(predict("10", "-12", {"--model", "ode", "--ode-tolerance", "2"}),
-                "predict: tolerance or number of steps is out of its range");
+                "predict: tolerance is out of its range");
 }
 
 TEST(PhysicsCommands, PredictRefusesOptionsOfAnotherModel) {

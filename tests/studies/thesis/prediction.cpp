@@ -13,14 +13,14 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using impact::ContactObservation;
 using impact::ContactVector;
+using impact::Observation;
 
 constexpr double kReferences_mps[] = {2.5, 4.0, 6.0, 10.0, 20.0, 50.0};
 constexpr double kVxSd_mps = 0.38;
 constexpr double kOmegaSd_radps = 11.5;
 
-double slope_of_slip(const ContactObservation& o) {
+double slope_of_slip(const Observation& o) {
   const double slip = o.touchdown.vx_mps + 0.5 * ball::kThesisDiameter_m * o.touchdown.omega_radps;
   return slip / -o.touchdown.vy_mps;
 }
@@ -42,12 +42,12 @@ struct Fitted {
   double chi_square = 0.0;
 };
 
-VectorXd residuals(std::span<const ContactObservation> kept, const ContactVector& value,
+VectorXd residuals(std::span<const Observation> kept, const ContactVector& value,
                    const impact::ContactFitOptions& options) {
   VectorXd r =
       VectorXd::Constant(2 * static_cast<Eigen::Index>(kept.size()), std::numeric_limits<double>::infinity());
   Eigen::Index row = 0;
-  for (const ContactObservation& o : kept) {
+  for (const Observation& o : kept) {
     const auto s =
         impact::simulate(impact::ball_of(value), o.touchdown, impact::coefficients_of(o, value, options));
     if (!s) return r;
@@ -57,7 +57,7 @@ VectorXd residuals(std::span<const ContactObservation> kept, const ContactVector
   return r;
 }
 
-Result<Fitted> fit_tied(std::span<const ContactObservation> kept, const impact::ContactFitOptions& options) {
+Result<Fitted> fit_tied(std::span<const Observation> kept, const impact::ContactFitOptions& options) {
   const impact::LeastSquaresProblem problem{
       .residuals = [&](const VectorXd& four) { return residuals(kept, spread_out(four), options); },
       .lower = Eigen::Vector4d(0.0, 1e-2, 0.0, 0.1),
@@ -67,12 +67,12 @@ Result<Fitted> fit_tied(std::span<const ContactObservation> kept, const impact::
       .function_tolerance = 1e-10};
   const impact::LeastSquaresResult found =
       impact::levenberg_marquardt(problem, Eigen::Vector4d(0.55, 1.4, 0.1, 0.55));
-  if (!found.converged || !std::isfinite(found.sum_of_squares))
+  if (!converged(found.termination) || !std::isfinite(found.sum_of_squares))
     return fail("the fit of two spins does not converge");
   return Fitted{spread_out(found.parameters), found.sum_of_squares};
 }
 
-Result<Fitted> fit(std::span<const ContactObservation> kept, Dashpot dashpot, double reference_mps) {
+Result<Fitted> fit(std::span<const Observation> kept, Dashpot dashpot, double reference_mps) {
   if (dashpot == Dashpot::tied) return fit_tied(kept, options_of(reference_mps));
   const auto all = impact::fit_contact(kept, options_of(reference_mps));
   if (!all) return tl::unexpected(all.error());
@@ -80,12 +80,12 @@ Result<Fitted> fit(std::span<const ContactObservation> kept, Dashpot dashpot, do
 }
 
 /// Ordinary least squares of the observations' e and ln(dwell time).
-void regress(std::span<const ContactObservation> kept, bool with_slip, Constants& constants) {
+void regress(std::span<const Observation> kept, bool with_slip, Constants& constants) {
   const auto n = static_cast<Eigen::Index>(kept.size());
   MatrixXd speed(n, with_slip ? 3 : 2), logs(n, 2);
   VectorXd e(n), dwell(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const ContactObservation& o = kept[static_cast<std::size_t>(i)];
+    const Observation& o = kept[static_cast<std::size_t>(i)];
     speed(i, 0) = logs(i, 0) = 1.0;
     speed(i, 1) = -o.touchdown.vy_mps;
     logs(i, 1) = std::log(-o.touchdown.vy_mps);
@@ -99,7 +99,7 @@ void regress(std::span<const ContactObservation> kept, bool with_slip, Constants
   constants.dwell_by = {power[0], power[1]};
 }
 
-ContactObservation with_vertical(ContactObservation o, const Constants& constants, Vertical vertical) {
+Observation with_vertical(Observation o, const Constants& constants, Vertical vertical) {
   if (vertical == Vertical::measured) return o;
   const double speed = -o.touchdown.vy_mps;
   o.e = std::clamp(constants.e_by[0] + constants.e_by[1] * speed + constants.e_by[2] * slope_of_slip(o), 0.01,
@@ -110,11 +110,11 @@ ContactObservation with_vertical(ContactObservation o, const Constants& constant
 
 }  // namespace
 
-Result<Constants> constants_without(std::string_view spin, std::span<const ContactObservation> observations,
+Result<Constants> constants_without(std::string_view spin, std::span<const Observation> observations,
                                     Vertical vertical, Dashpot dashpot) {
-  std::vector<ContactObservation> kept;
-  for (const ContactObservation& o : observations)
-    if (o.group != spin) kept.push_back(o);
+  std::vector<Observation> kept;
+  for (const Observation& o : observations)
+    if (o.spin != spin) kept.push_back(o);
   Constants out;
   out.left_out = spin;
   out.chi_square = std::numeric_limits<double>::infinity();
@@ -130,8 +130,7 @@ Result<Constants> constants_without(std::string_view spin, std::span<const Conta
   return out;
 }
 
-Result<Prediction> predict(const ContactObservation& observation, const Constants& constants,
-                           Vertical vertical) {
+Result<Prediction> predict(const Observation& observation, const Constants& constants, Vertical vertical) {
   Prediction out;
   out.inputs = with_vertical(observation, constants, vertical);
   out.coefficients =
@@ -143,13 +142,12 @@ Result<Prediction> predict(const ContactObservation& observation, const Constant
   return out;
 }
 
-InputSpread input_spread(const ContactObservation& observation, const Constants& constants,
-                         Vertical vertical) {
+InputSpread input_spread(const Observation& observation, const Constants& constants, Vertical vertical) {
   double vx = 0.0, omega = 0.0;
   const auto add = [&](auto move) {
     std::array<impact::Motion, 2> ends{};
     for (const int side : {0, 1}) {
-      ContactObservation o = observation;
+      Observation o = observation;
       move(o, side == 0 ? -1.0 : 1.0);
       const auto predicted = predict(o, constants, vertical);
       if (!predicted) return;
@@ -158,16 +156,14 @@ InputSpread input_spread(const ContactObservation& observation, const Constants&
     vx += std::pow(0.5 * (ends[1].vx_mps - ends[0].vx_mps), 2);
     omega += std::pow(0.5 * (ends[1].omega_radps - ends[0].omega_radps), 2);
   };
-  add([](ContactObservation& o, double side) { o.touchdown.vx_mps += side * o.touchdown_sd.vx_mps; });
-  add([](ContactObservation& o, double side) { o.touchdown.vy_mps += side * o.touchdown_sd.vy_mps; });
-  add([](ContactObservation& o, double side) {
-    o.touchdown.omega_radps += side * o.touchdown_sd.omega_radps;
-  });
+  add([](Observation& o, double side) { o.touchdown.vx_mps += side * o.touchdown_sd.vx_mps; });
+  add([](Observation& o, double side) { o.touchdown.vy_mps += side * o.touchdown_sd.vy_mps; });
+  add([](Observation& o, double side) { o.touchdown.omega_radps += side * o.touchdown_sd.omega_radps; });
   if (vertical == Vertical::measured) {
-    add([](ContactObservation& o, double side) {
+    add([](Observation& o, double side) {
       o.e = std::min(1.0, o.e - side * o.lift_off_sd.vy_mps / o.touchdown.vy_mps);
     });
-    add([](ContactObservation& o, double side) { o.dwell_s += side * o.dwell_sd_s; });
+    add([](Observation& o, double side) { o.dwell_s += side * o.dwell_sd_s; });
   }
   return {std::sqrt(vx), std::sqrt(omega)};
 }

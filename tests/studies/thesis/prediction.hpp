@@ -49,19 +49,18 @@ struct Constants {
 
 /// The prediction of one condition.
 struct Prediction {
-  impact::ContactObservation inputs;  ///< as measured, but for e and dwell time
+  impact::Observation inputs;  ///< as measured, but for e and dwell time
   impact::ContactCoefficients coefficients;
   ball::Ball ball;
   impact::ContactSummary contact;
 };
 
 /// Without the observations of that spin. Fails as impact::fit_contact().
-Result<Constants> constants_without(std::string_view spin,
-                                    std::span<const impact::ContactObservation> observations,
+Result<Constants> constants_without(std::string_view spin, std::span<const impact::Observation> observations,
                                     Vertical vertical, Dashpot dashpot);
 
 /// Fails on inputs that impact::simulate() refuses.
-Result<Prediction> predict(const impact::ContactObservation& observation, const Constants& constants,
+Result<Prediction> predict(const impact::Observation& observation, const Constants& constants,
                            Vertical vertical);
 
 /// Sd of the predicted vx and omega at lift-off from the published sds of the inputs: the touchdown's
@@ -69,7 +68,7 @@ Result<Prediction> predict(const impact::ContactObservation& observation, const 
 struct InputSpread {
   double vx_mps = 0.0, omega_radps = 0.0;
 };
-InputSpread input_spread(const impact::ContactObservation& observation, const Constants& constants,
+InputSpread input_spread(const impact::Observation& observation, const Constants& constants,
                          Vertical vertical);
 
 }  // namespace strobe::studies

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/impact/fit/cross_validation.hpp"
+#include "common/impact/fit/model_fit.hpp"
 #include "common/reduction/reduce.hpp"
 #include "sim/fit/fit.hpp"
 #include "sim/shoot/shoot.hpp"
@@ -15,7 +15,7 @@ namespace strobe::studies {
 using reduction::Quantity;
 
 Result<Predictions> predict_all(const thesis::Data& data, Dashpot dashpot, Vertical vertical) {
-  std::vector<impact::ContactObservation> observations;
+  std::vector<impact::Observation> observations;
   for (const thesis::Condition& c : data.conditions) observations.push_back(impact::observation_of(c));
   Predictions out;
   out.dashpot = dashpot;
@@ -26,8 +26,8 @@ Result<Predictions> predict_all(const thesis::Data& data, Dashpot dashpot, Verti
     out.constants.push_back(*std::move(constants));
   }
   for (std::size_t i = 0; i < observations.size(); ++i) {
-    const impact::ContactObservation& o = observations[i];
-    const auto constants = std::ranges::find(out.constants, o.group, &Constants::left_out);
+    const impact::Observation& o = observations[i];
+    const auto constants = std::ranges::find(out.constants, o.spin, &Constants::left_out);
     const auto prediction = predict(o, *constants, vertical);
     if (!prediction) return tl::unexpected(prediction.error());
     out.conditions.push_back(

@@ -78,7 +78,7 @@ Result<ShotSeries> shoot_series(const thesis::Condition& condition, const Predic
 /// One condition with its prediction.
 struct PredictedCondition {
   const thesis::Condition* condition = nullptr;
-  impact::ContactObservation observation;
+  impact::Observation observation;
   const Constants* constants = nullptr;
   Prediction prediction;
   InputSpread spread;

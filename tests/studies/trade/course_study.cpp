@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "common/impact/closed_form/sine_pulse.hpp"
-#include "common/impact/ode/contact_course.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
 #include "tests/studies/trade/known_impacts.hpp"
 #include "tests/studies/trade/stopwatch.hpp"

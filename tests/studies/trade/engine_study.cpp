@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "common/impact/closed_form/rebound.hpp"
-#include "common/impact/ode/return_mapping.hpp"
 #include "tests/studies/trade/engines/engine.hpp"
 #include "tests/studies/trade/known_impacts.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
@@ -177,19 +176,12 @@ void add_own(Study& study, std::vector<ImpactScene> practical, std::vector<Impac
       return impact::simulate(s.ball, s.touchdown, s.contact, options)->lift_off;
     };
   };
-  for (const int steps : {3, 8, 16, 32})
-    add("return_mapping", fmt::format("steps={}", steps), [steps](const ImpactScene& s) {
-      return impact::return_mapping(s.ball, s.touchdown, s.contact, steps)->lift_off;
-    });
   for (const double tolerance : {1e-3, 1e-6, 1e-9, 1e-12})
     add("collocation", fmt::format("tolerance={}", tolerance), [tolerance](const ImpactScene& s) {
       return impact::lift_off(s.ball, s.touchdown, s.contact,
                               {.method = impact::ContactMethod::collocation, .tolerance = tolerance})
           ->lift_off;
     });
-  for (const int steps : {10, 20, 50})
-    add("ode_rk4", fmt::format("steps={}", steps),
-        integrated({.method = impact::ContactMethod::rk4, .steps = steps}));
   for (const double tolerance : {1e-3, 1e-6, 1e-9, 1e-12})
     add("ode", fmt::format("tolerance={}", tolerance),
         integrated({.method = impact::ContactMethod::dormand_prince, .tolerance = tolerance}));

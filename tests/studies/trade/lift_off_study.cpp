@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "common/impact/closed_form/sine_pulse.hpp"
-#include "common/impact/ode/return_mapping.hpp"
 #include "tests/studies/trade/known_impacts.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
 #include "tests/studies/trade/studies.hpp"
@@ -53,11 +52,6 @@ std::optional<Motion> by_collocation(const ImpactScene& s, double tolerance) {
   const auto end = impact::lift_off(s.ball, s.touchdown, s.contact,
                                     {.method = ContactMethod::collocation, .tolerance = tolerance});
   return end ? std::optional(end->lift_off) : std::nullopt;
-}
-
-std::optional<Motion> by_return_mapping(const ImpactScene& s, int steps) {
-  const auto rebound = impact::return_mapping(s.ball, s.touchdown, s.contact, steps);
-  return rebound ? std::optional(rebound->lift_off) : std::nullopt;
 }
 
 std::optional<Motion> by_grip(const ImpactScene& s, const Grip& grip) {
@@ -110,12 +104,6 @@ std::string taken_over(const std::vector<KnownImpact>& set, double tolerance) {
 }
 
 void add_quick_solutions(Study& study, const Sets& sets, const Effort& effort) {
-  std::vector<int> steps{3, 4, 6, 8, 12, 16, 24, 32, 64};
-  if (effort.quick) steps = {4, 32};
-  for (const int n : steps)
-    study.rows.push_back(measured(sets, effort, "return_mapping", fmt::format("steps={}", n),
-                                  Source::numerical,
-                                  [n](const ImpactScene& s) { return by_return_mapping(s, n); }));
   for (int power = 3; power <= 12; power += effort.quick ? 3 : 1) {
     const double tolerance = std::stod(fmt::format("1e-{}", power));
     study.rows.push_back(
@@ -126,21 +114,13 @@ void add_quick_solutions(Study& study, const Sets& sets, const Effort& effort) {
 }
 
 void add_integrations(Study& study, const Sets& sets, const Effort& effort) {
-  const auto add = [&](const char* method, const std::string& parameter, const ContactOptions& options) {
-    study.rows.push_back(measured(sets, effort, method, parameter, Source::numerical,
-                                  [options](const ImpactScene& s) { return by_ode(s, options); }));
-  };
   for (int power = 3; power <= 12; power += effort.quick ? 3 : 1) {
     const double tolerance = std::stod(fmt::format("1e-{}", power));
-    add("ode", fmt::format("tolerance={}", tolerance),
-        {.method = ContactMethod::dormand_prince, .tolerance = tolerance});
+    const ContactOptions options{.method = ContactMethod::dormand_prince, .tolerance = tolerance};
+    study.rows.push_back(measured(sets, effort, "ode", fmt::format("tolerance={}", tolerance),
+                                  Source::numerical,
+                                  [options](const ImpactScene& s) { return by_ode(s, options); }));
   }
-  std::vector<int> steps{4, 6, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000};
-  if (effort.quick) steps = {20, 200};
-  for (const int n : steps)
-    add("ode_rk4", fmt::format("steps={}", n), {.method = ContactMethod::rk4, .steps = n});
-  for (const int n : steps)
-    add("ode_euler", fmt::format("steps={}", n), {.method = ContactMethod::semi_implicit_euler, .steps = n});
 }
 
 /// Every scene's shots beside the grip calibrated at its mean.
@@ -200,10 +180,6 @@ Study within_a_scene(const std::vector<ImpactScene>& practical, const std::vecto
   });
   grip.remark = "besides one ODE run a scene";
   study.rows.push_back(grip);
-  for (const int steps : {4, 8, 16, 32})
-    study.rows.push_back(measured(sets, effort, "return_mapping", fmt::format("steps={}", steps),
-                                  Source::numerical,
-                                  [steps](const ImpactScene& s) { return by_return_mapping(s, steps); }));
   for (const double tolerance : {1e-3, 1e-6, 1e-9})
     study.rows.push_back(
         measured(sets, effort, "collocation", fmt::format("tolerance={}", tolerance), Source::numerical,

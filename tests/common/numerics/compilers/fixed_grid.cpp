@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include "common/ball/ball.hpp"
-#include "common/contact/differentiation/cubic_fit.hpp"
+#include "common/contact/differentiation.hpp"
 #include "common/flight/aerodynamics.hpp"
-#include "common/impact/closed_form/pulse_integrals.hpp"
 #include "common/impact/closed_form/sine_pulse.hpp"
 #include "common/impact/ode/contact_ode.hpp"
 #include "common/impact/ode/normal_spring.hpp"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 
-#include "common/contact/differentiation/cubic_fit.hpp"
+#include "common/contact/differentiation.hpp"
 #include "common/impact/ode/normal_spring.hpp"
 #include "common/units/angles.hpp"
 #include "tests/common/numerics/forms/forms.hpp"

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "common/impact/closed_form/pulse_integrals.hpp"
+#include "common/impact/closed_form/sine_pulse.hpp"
 #include "common/units/angles.hpp"
 #include "tests/common/numerics/forms/forms.hpp"
 #include "tests/common/numerics/forms/wide_pulse.hpp"
