@@ -88,7 +88,7 @@ struct ImageRows {
   Eigen::Vector2d moved_by(const Eigen::Vector2d& acceleration_mps2) const {
     const double factor = 0.5 * time_s * time_s;
     const double x = factor * acceleration_mps2.x();
-    return {white.first(x), white.second(x, factor * acceleration_mps2.y())};
+    return {white.first(x), white.yx * x + white.yy * factor * acceleration_mps2.y()};
   }
 };
 /// `image` is airborne, its leg fitted; `tilt` is the fit's tilt_of().
