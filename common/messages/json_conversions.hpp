@@ -3,6 +3,7 @@
 // What is absent is null in a readout and left out of a frame. Pure functions; thread-safe; they allocate.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 
@@ -20,6 +21,8 @@ Result<reduction::Frame> frame_from_json(std::string_view text);
 /// Numbers that are not finite become null.
 std::string frame_to_json(const reduction::Frame& frame);
 
+nlohmann::ordered_json readout_json(const reduction::Readout& readout);
+/// Its text.
 std::string readout_to_json(const reduction::Readout& readout);
 
 }  // namespace strobe::messages

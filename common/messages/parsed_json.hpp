@@ -3,8 +3,10 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 namespace strobe::messages {
 
@@ -20,5 +22,29 @@ Json parsed_json(std::string_view text);
 /// In one line, or with so many blanks a level; bytes that are no UTF-8 are replaced.
 std::string json_text(const nlohmann::json& json, int indent = -1);
 std::string json_text(const nlohmann::ordered_json& json, int indent = -1);
+
+/// Reads a truth value, a whole number or a text, if the value is one.
+template <typename Json, typename Value>
+bool read_value(const Json& json, Value& into) {
+  const bool good = std::is_same_v<Value, bool>          ? json.is_boolean()
+                    : std::is_same_v<Value, std::string> ? json.is_string()
+                                                         : json.is_number_integer();
+  if (good) into = json.template get<Value>();
+  return good;
+}
+
+/// Of an object; absent, or of another kind than is wanted: the fallback.
+template <typename Value, typename Json>
+Value value_of(const Json& object, const char* key, Value fallback = {}) {
+  if (const auto found = object.find(key); found != object.end()) read_value(*found, fallback);
+  return fallback;
+}
+
+// An absent value in JSON is null. (So is a number that is not finite, by the library itself.)
+
+template <typename T>
+nlohmann::ordered_json or_null(const std::optional<T>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
 
 }  // namespace strobe::messages

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 namespace strobe::messages {
 
@@ -30,5 +31,14 @@ bool decode_checked(Message& message, const void* data, std::size_t size) {
 
 /// The host_id of an encoded readout_t, read without decoding its lists; 0 if it is not a readout.
 std::int64_t readout_host(const void* data, std::size_t size);
+
+// An LCM message as bytes. Pure; thread-safe; allocates.
+
+template <typename Message>
+std::vector<std::uint8_t> encode(const Message& message) {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
 
 }  // namespace strobe::messages

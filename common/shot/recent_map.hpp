@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
 #include <deque>
 #include <map>
@@ -15,7 +16,7 @@ template <typename Key, typename Value>
 class RecentMap {
  public:
   /// capacity: at least 1.
-  explicit RecentMap(std::size_t capacity) : capacity_(capacity) {}
+  explicit RecentMap(std::size_t capacity) : capacity_(capacity) { assert(capacity > 0); }
 
   /// Enters or replaces; a key that is replaced keeps its age.
   Value& put(const Key& key, Value value) {
@@ -26,6 +27,7 @@ class RecentMap {
       }
       order_.push_back(key);
     }
+    assert(order_.size() <= capacity_);
     return map_.insert_or_assign(key, std::move(value)).first->second;
   }
   const Value* find(const Key& key) const {

@@ -1,12 +1,35 @@
-// A shot that is asked for, as plan_t carries it. Plain value; real-time safe.
+// Which of the two strobe lamps. Plain values; real-time safe.
 #pragma once
 
+#include <boost/container/static_vector.hpp>
+#include <cstddef>
 #include <cstdint>
 
-#include "common/shot/coded_train.hpp"
 #include "common/units/time.hpp"
 
 namespace strobe {
+
+enum class Lamps : std::int8_t { a = 1, b = 2, both = 3 };  ///< bits; values are those of coded_flash_t
+
+constexpr bool has_a(Lamps lamps) { return (static_cast<int>(lamps) & 1) != 0; }
+constexpr bool has_b(Lamps lamps) { return (static_cast<int>(lamps) & 2) != 0; }
+
+// A coded train: flashes at instants of their own, of both lamps or of one. Never allocates; copying takes as
+// long as the train is, so that the room for the longest one costs nothing. Real-time safe.
+
+inline constexpr std::size_t kMaxCodedFlashes = 1024;
+
+struct CodedFlash {
+  Duration offset{};  ///< from the train's first instant
+  Lamps lamps = Lamps::both;
+
+  bool operator==(const CodedFlash&) const = default;
+};
+
+/// In order of time. Throws if it is full.
+using CodedTrain = boost::container::static_vector<CodedFlash, kMaxCodedFlashes>;
+
+// A shot that is asked for, as plan_t carries it. Plain value; real-time safe.
 
 /// Free: flashes run from the shutter's opening to its closing. Gated: a burst starts a delay after the light
 /// gate. Values are those of plan_t.

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-#include "common/shot/lamps.hpp"
+#include "common/shot/shot_plan.hpp"
 
 namespace strobe::firmware {
 

@@ -11,7 +11,7 @@
 #include <strobe_msgs/status_t.hpp>
 #include <vector>
 
-#include "common/shot/sequence_range.hpp"
+#include "common/shot/shot_key.hpp"
 #include "firmware/core/rig.hpp"
 #include "firmware/core/shot_timing.hpp"
 #include "firmware/ports/clock.hpp"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/authentication/seal.hpp"
-#include "common/messages/host_name.hpp"
+#include "common/messages/danger.hpp"
 #include "common/messages/plan_lcm.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/wire/log_reader.hpp"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/shot/sequence_range.hpp"
+#include "common/shot/shot_key.hpp"
 #include "firmware/publisher/journal.hpp"
 
 namespace strobe::firmware {

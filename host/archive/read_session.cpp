@@ -1,30 +1,28 @@
 #include "host/archive/read_session.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 #include <set>
 #include <system_error>
 
 #include "common/config/files.hpp"
-#include "host/archive/photograph_files.hpp"
-#include "host/archive/played_session.hpp"
-#include "host/archive/session_rigs.hpp"
+#include "host/archive/log_player.hpp"
+#include "host/archive/redigitize.hpp"
+#include "host/archive/session_files.hpp"
 #include "host/archive/shot_outcome.hpp"
-#include "host/archive/stored_digitizations.hpp"
-#include "host/session/log_files.hpp"
-#include "host/session/results_rows.hpp"
 #include "host/session/run_record.hpp"
 #include "host/session/session_folder.hpp"
-#include "host/session/shot_names.hpp"
+#include "host/session/session_logs.hpp"
+#include "host/session/shot_table.hpp"
 
 namespace strobe::host {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLogsShare = 0.95;  // of the work, as a share
+constexpr double kLogsShare = 0.95;            // of the work, as a share
+constexpr std::int64_t kProgressEvery = 2000;  // messages
 
 class SessionReader {
  public:
@@ -43,17 +41,10 @@ class SessionReader {
     if (!runs) return tl::unexpected(runs.error());
     const auto key = sealing_key();
     session_.verified = key.has_value() && !session_.logs.empty();
-    auto played = play_session(session_.logs, journals(session_.folder), session_.rig, key,
-                               [this](double share) { progress(kLogsShare * share); });
-    if (!played) return tl::unexpected(played.error());
-    played_ = std::move(*played);
-    fired_ = played_.fired.get();
-    for (std::string& text : played_.remarks) remark(std::move(text));
+    if (auto played = play(key); !played) return tl::unexpected(played.error());
     find_runs(std::move(*runs));
     find_shots();
-    const auto digitizations = digitization_files(session_.folder);
-    if (!digitizations) return tl::unexpected(digitizations.error());
-    find_digitizations(*digitizations);
+    if (auto found = find_digitizations(); !found) return tl::unexpected(found.error());
     find_photographs();
     name_shots();
     progress(1.0);
@@ -67,22 +58,23 @@ class SessionReader {
   }
 
   std::optional<authentication::Key> sealing_key();
+  Result<void> play(const std::optional<authentication::Key>& key);
   void find_runs(RunRecords records);
   void add_unrecorded_run(std::int64_t host, WallTime time);
   const SessionRigs::Rig& rig_of(std::int64_t host_id) const;
-  bool own(const FiredShot& fired) const;
+  bool own(const LoggedShot& fired) const;
   void find_shots();
-  StoredShot stored(const ShotKey& key, const FiredShot& fired) const;
-  void find_digitizations(const std::map<ShotKey, std::vector<DigitizationFile>>& files);
-  void find_digitizations(StoredShot& shot, const std::vector<DigitizationFile>& files);
+  Shot stored(const ShotKey& key, const LoggedShot& fired) const;
+  Result<void> find_digitizations();
   void find_photographs();
   void name_shots();
 
   const ReadSessionOptions& options_;
   SessionRigs rigs_;
   StoredSession session_;
-  PlayedSession played_;
-  const FiredShots* fired_ = nullptr;
+  std::optional<LogPlayer> player_;
+  std::optional<FiredShots> fired_;  ///< listens to the player
+  std::map<std::int64_t, fs::path> log_of_host_;
   std::set<std::int64_t> own_hosts_;
 };
 
@@ -100,6 +92,29 @@ std::optional<authentication::Key> SessionReader::sealing_key() {
     return std::nullopt;
   }
   return key;
+}
+
+/// The hosts' logs, then what these lack of the journals.
+Result<void> SessionReader::play(const std::optional<authentication::Key>& key) {
+  auto logs = StoredLogs::open(session_.logs);
+  if (!logs) return tl::unexpected(logs.error());
+  player_.emplace(session_.rig, key);
+  fired_.emplace(*player_, session_.rig.rig);
+  player_->play(*logs, [&](const LogMessage& message) {
+    fired_->watch(message);
+    if (logs->messages() % kProgressEvery == 0) progress(kLogsShare * logs->share());
+  });
+  for (std::string& text : logs->remarks()) remark(std::move(text));
+  for (const auto& [host, heard] : fired_->commanding_hosts()) log_of_host_[host] = logs->path(heard.log);
+  fired_->begin_journals();
+  for (const fs::path& path : journals(session_.folder)) {
+    auto journal = StoredLogs::open({path});
+    if (!journal) return tl::unexpected(journal.error());
+    player_->complete_from(*journal, *fired_);
+    for (std::string& text : journal->remarks()) remark(std::move(text));
+  }
+  player_->end();
+  return {};
 }
 
 void SessionReader::find_runs(RunRecords records) {
@@ -125,12 +140,12 @@ void SessionReader::add_unrecorded_run(std::int64_t host, WallTime time) {
 }
 
 const SessionRigs::Rig& SessionReader::rig_of(std::int64_t host_id) const {
-  const auto log = played_.log_of_host.find(host_id);
-  return log == played_.log_of_host.end() ? rigs_.main() : rigs_.of_log(log->second);
+  const auto log = log_of_host_.find(host_id);
+  return log == log_of_host_.end() ? rigs_.main() : rigs_.of_log(log->second);
 }
 
 /// A shot of nobody known is rather kept than lost.
-bool SessionReader::own(const FiredShot& fired) const {
+bool SessionReader::own(const LoggedShot& fired) const {
   return own_hosts_.empty() || fired.host_id == 0 || own_hosts_.contains(fired.host_id);
 }
 
@@ -161,49 +176,44 @@ void SessionReader::find_shots() {
   }
 }
 
-StoredShot SessionReader::stored(const ShotKey& key, const FiredShot& fired) const {
-  StoredShot shot;
-  shot.key = key;
+Shot SessionReader::stored(const ShotKey& key, const LoggedShot& fired) const {
+  Shot shot = logged_outcome(key, fired);
   shot.summary = fired.summary;
   shot.rig = rig_of(fired.host_id);
-  shot.result = logged_outcome(key, fired);
-  shot.result.verified = session_.verified && !fired.from_journal;
+  shot.verified = session_.verified && !fired.from_journal;
   const LoggedFrame* late = fired_->late_frame(key);
-  const auto frame = late != nullptr ? std::optional(late->frame) : shot.result.frame;
+  if (late != nullptr) shot.digitizations = {{late->frame, late->frame.source == "hand", "", "", {}, {}}};
   WallTime came = fired.heard;
-  if (frame) {
+  if (shot.frame() != nullptr) {
     if (const LoggedFrame* logged = fired_->frame(key)) came = std::max(came, logged->time);
-    shot.digitizations.push_back({*frame, frame->source == "hand", utc_for_table(came), "", {}, {}});
+    shot.digitizations.back().utc = utc_for_table(came);
   }
   shot.utc = utc_for_table(came);
   const bool other_rig = shot.rig != rigs_.main();
-  if (late != nullptr || (other_rig && fired.summary && frame)) shot.result = measured_again(shot, *frame);
+  if (late != nullptr || (other_rig && shot.frame() != nullptr)) judge_again(shot);
   return shot;
 }
 
-void SessionReader::find_digitizations(const std::map<ShotKey, std::vector<DigitizationFile>>& files) {
-  for (StoredShot& shot : session_.shots) {
-    const auto found = files.find(shot.key);
-    if (found != files.end()) find_digitizations(shot, found->second);
-  }
-}
-
-void SessionReader::find_digitizations(StoredShot& shot, const std::vector<DigitizationFile>& files) {
-  for (const DigitizationFile& file : files) {
-    auto digitization = read_digitization(file);
-    if (!digitization) {
-      remark(digitization.error().message);
-      continue;
+Result<void> SessionReader::find_digitizations() {
+  const auto files = digitization_files(session_.folder);
+  if (!files) return tl::unexpected(files.error());
+  for (Shot& shot : session_.shots) {
+    const auto found = files->find(shot.key());
+    if (found == files->end()) continue;
+    for (const DigitizationFile& file : found->second) {
+      if (auto digitization = read_digitization(file))
+        shot.digitizations.push_back(std::move(*digitization));
+      else
+        remark(digitization.error().message);
     }
-    shot.digitizations.push_back(std::move(*digitization));
+    if (!shot.digitizations.empty() && !shot.digitizations.back().file.empty()) judge_again(shot);
   }
-  if (shot.digitizations.empty() || shot.digitizations.back().file.empty() || !shot.summary) return;
-  shot.result = measured_again(shot, shot.digitizations.back().frame);
+  return {};
 }
 
 void SessionReader::find_photographs() {
   std::set<fs::path> named;
-  for (StoredShot& shot : session_.shots) {
+  for (Shot& shot : session_.shots) {
     for (const Digitization& digitization : shot.digitizations)
       if (auto path = named_photograph(session_.folder, digitization.frame.photograph))
         shot.photograph = path;
@@ -212,16 +222,16 @@ void SessionReader::find_photographs() {
   // Dry shots and other hosts' have photographs, too.
   std::vector<ShotKey> without;
   for (const auto& [key, fired] : fired_->all()) {
-    const bool measured = fired.result && fired.result->frame &&
-                          named_photograph(session_.folder, fired.result->frame->photograph);
-    if (measured) named.insert(*named_photograph(session_.folder, fired.result->frame->photograph));
-    const auto shot = std::ranges::find(session_.shots, key, &StoredShot::key);
-    const bool has = shot != session_.shots.end() ? shot->photograph.has_value() : measured;
+    const auto* frame = fired.result ? fired.result->frame() : nullptr;
+    const auto measured = frame ? named_photograph(session_.folder, frame->photograph) : std::nullopt;
+    if (measured) named.insert(*measured);
+    const auto shot = std::ranges::find(session_.shots, key, &Shot::key);
+    const bool has = shot != session_.shots.end() ? shot->photograph.has_value() : measured.has_value();
     if (!has) without.push_back(key);
   }
   UnnamedPhotographs unnamed = unnamed_photographs(session_.folder, named, without);
-  for (StoredShot& shot : session_.shots) {
-    if (const auto found = unnamed.of_shot.find(shot.key); found != unnamed.of_shot.end())
+  for (Shot& shot : session_.shots) {
+    if (const auto found = unnamed.of_shot.find(shot.key()); found != unnamed.of_shot.end())
       shot.photograph = found->second;
   }
   for (std::string& told : unnamed.remarks) remark(std::move(told));
@@ -229,7 +239,7 @@ void SessionReader::find_photographs() {
 
 void SessionReader::name_shots() {
   std::vector<ShotKey> keys;
-  for (const StoredShot& shot : session_.shots) keys.push_back(shot.key);
+  for (const Shot& shot : session_.shots) keys.push_back(shot.key());
   std::vector<std::string> names = shot_names(keys);
   std::vector<std::string> without_end;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -249,8 +259,8 @@ Result<void> take_times(StoredSession& session) {
   if (!rows) return tl::unexpected(rows.error());
   std::map<ShotKey, std::string> times;
   for (ResultsRow& row : *rows) times.try_emplace(row.key, std::move(row.utc));
-  for (StoredShot& shot : session.shots)
-    if (const auto found = times.find(shot.key); found != times.end()) shot.utc = found->second;
+  for (Shot& shot : session.shots)
+    if (const auto found = times.find(shot.key()); found != times.end()) shot.utc = found->second;
   return {};
 }
 
@@ -271,11 +281,11 @@ Result<StoredSession> read_session(const fs::path& folder, const ReadSessionOpti
   return session;
 }
 
-Result<const StoredShot*> find_shot(const StoredSession& session, const std::string& name) {
-  const auto found = std::ranges::find(session.shots, name, &StoredShot::name);
+Result<const Shot*> find_shot(const StoredSession& session, const std::string& name) {
+  const auto found = std::ranges::find(session.shots, name, &Shot::name);
   if (found != session.shots.end()) return &*found;
   std::vector<std::string> names;
-  for (const StoredShot& shot : session.shots) names.push_back(shot.name);
+  for (const Shot& shot : session.shots) names.push_back(shot.name);
   if (names.empty()) return fail(fmt::format("{}: no shot was fired", session.folder.string()));
   return fail(fmt::format("{}: no shot {}; there {}: {}", session.folder.string(), name,
                           names.size() == 1 ? "is" : "are", fmt::join(names, ", ")));

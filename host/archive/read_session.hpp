@@ -1,17 +1,40 @@
+// A session as its folder holds it: runs of `strobe fire`, and every shot that they fired, with its photograph, its
+// digitizations and its readout computed again. Plain values; thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <strobe_msgs/frame_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
+#include <vector>
+
+#include "common/result.hpp"
+#include "common/shot/shot_key.hpp"
+#include "host/config/rig_file.hpp"
+#include "host/session/run_record.hpp"
+#include "host/session/session.hpp"
+
+namespace strobe::host {
+
+struct StoredSession {
+  std::filesystem::path folder;
+  RigFile rig;                              ///< as used
+  std::string plan_text;                    ///< likewise
+  std::vector<std::filesystem::path> logs;  ///< those that were read, oldest first
+  std::vector<RunRecord> runs;              ///< oldest first; of hosts without a record only utc and host_id
+  std::vector<Shot> shots;                  ///< as fired; dry ones are left out
+  std::vector<std::string> remarks;         ///< what could not be read or is missing, a sentence each
+  bool verified = false;                    ///< all is sealed with the lab's key
+};
+
 // Reads a session's folder: its host logs in the order of their writing (a shot may begin in one and end in the next),
 // strobed's journals where they lie beside them, runs.jsonl, the photographs and the corrected digitizations. Reads files;
 // not thread-safe with a host that still writes there.
-#pragma once
-
-#include <filesystem>
-#include <functional>
-#include <optional>
-#include <string>
-
-#include "common/result.hpp"
-#include "host/archive/stored_session.hpp"
-
-namespace strobe::host {
 
 struct ReadSessionOptions {
   std::string rig_path;  ///< empty: the folder's rig.toml
@@ -25,7 +48,7 @@ struct ReadSessionOptions {
 Result<StoredSession> read_session(const std::filesystem::path& folder,
                                    const ReadSessionOptions& options = {});
 
-/// The shot of that name (StoredShot::name). Fails with the names that there are.
-Result<const StoredShot*> find_shot(const StoredSession& session, const std::string& name);
+/// The shot of that name (Shot::name). Fails with the names that there are.
+Result<const Shot*> find_shot(const StoredSession& session, const std::string& name);
 
 }  // namespace strobe::host

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <charconv>
 #include <chrono>
 #include <fstream>
@@ -94,6 +95,7 @@ std::optional<LogMessage> StoredLogs::next() {
     if (log.reader && (last_ == nullptr || log.time < last_->time)) last_ = &log;
   if (last_ == nullptr) return std::nullopt;
   ++messages_;
+  assert(last_->reader);
   return LogMessage{last_->record.channel, last_->record.bytes, last_->time,
                     static_cast<std::size_t>(last_ - logs_.data())};
 }

@@ -1,19 +1,27 @@
 #include "host/assembly/assemble.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
+#include "common/flight/parabola.hpp"
+#include "common/geometry/leg_classification.hpp"
+#include "common/geometry/line.hpp"
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/record.hpp"
 #include "common/reduction/matching/flash_match.hpp"
+#include "common/units/angles.hpp"
 #include "host/assembly/camera_map.hpp"
 #include "host/assembly/flash_times.hpp"
 #include "host/config/notes.hpp"
+#include "host/digitize/core/statistics.hpp"
 
 namespace strobe::host {
 namespace {
 
+using reduction::BallImage;
 using reduction::Flag;
 using reduction::FlagSet;
 using reduction::Frame;
@@ -140,11 +148,11 @@ void set_physics(matching::Track& track, const Frame& frame, const FlashTimes& t
   for (const ObservedFlash& flash : times.seen) track.time_sd_s = std::max(track.time_sd_s, flash.time_sd_s);
 }
 
-AssembledShot unmatched(AssembledShot shot, Flag flag, std::string problem) {
+AssembledShot unmatched(AssembledShot& shot, Flag flag, std::string problem) {
   shot.flags.set(flag);
   shot.problem = std::move(problem);
   shot.frame.images.clear();
-  return shot;
+  return std::move(shot);
 }
 
 void leave_out(std::size_t image, matching::Track& track, AssembledShot& shot) {
@@ -205,6 +213,8 @@ reduction::Readout empty_readout(const shot_t& shot, const FlagSet& flags) {
 AssembledShot assemble(const shot_t& shot, const frame_t& message, const AssemblySettings& settings) {
   AssembledShot result;
   result.flags = shot_flags(shot);
+  result.times = flash_times(shot, settings.analysis.flash_time_sd_s);
+  const FlashTimes& times = result.times;
   auto frame = messages::frame_from_lcm(message);
   if (!frame) return unmatched(result, Flag::degenerate_geometry, frame.error().message);
   result.frame = std::move(*frame);
@@ -218,7 +228,6 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
                          ? "no surface line on the photograph"
                          : "the frame has no surface line or an image without a size");
   }
-  const FlashTimes times = flash_times(shot, settings.analysis.flash_time_sd_s);
   if (no_sensor_fired(times, shot)) result.flags.set(Flag::sensor_missing);
   if (times.seen.empty())
     return unmatched(result, Flag::missing_flash, "images, but no flash was seen or issued");
@@ -232,6 +241,7 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
   if (!match) return unmatched(result, Flag::flash_match_ambiguous, "more images than flashes were seen");
   if (!matching::is_steady(*track, *match))
     return unmatched(result, Flag::flash_match_ambiguous, "no steady flight passes through the images");
+  assert(match->hypotheses.front().flash.size() == result.frame.images.size());
   set_times(result.frame, times, match->hypotheses.front());
   result.hypotheses = assigned_times(times, *match);
   const reduction::ImagedFlashes flashes{*result.frame.images.front().flash_index,
@@ -246,16 +256,17 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
 
 ShotReadout shot_readout(const shot_t& shot, const frame_t& frame, const AssemblySettings& settings) {
   AssembledShot assembled = assemble(shot, frame, settings);
-  if (assembled.frame.images.empty()) return {empty_readout(shot, assembled.flags), assembled.problem};
+  if (assembled.frame.images.empty())
+    return {empty_readout(shot, assembled.flags), assembled.problem, std::move(assembled.times)};
   auto readout = reduction::reduce_hypotheses(assembled.frame, assembled.hypotheses);
   if (!readout) {
     assembled.flags.set(Flag::degenerate_geometry);
-    return {empty_readout(shot, assembled.flags), readout.error().message};
+    return {empty_readout(shot, assembled.flags), readout.error().message, std::move(assembled.times)};
   }
   readout->flags.merge(assembled.flags);
   readout->flashes = assembled.flashes;
-  ShotReadout result{std::move(*readout), assembled.problem};
-  if (settings.budgets) result.assembled = std::move(assembled);
+  ShotReadout result{std::move(*readout), assembled.problem, std::move(assembled.times)};
+  if (settings.budgets) result.matched = std::move(assembled.frame);
   return result;
 }
 

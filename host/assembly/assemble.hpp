@@ -12,6 +12,7 @@
 #include "common/reduction/mixture.hpp"
 #include "common/reduction/readout.hpp"
 #include "common/reduction/uncertainty.hpp"
+#include "host/assembly/flash_times.hpp"
 #include "host/config/rig_file.hpp"
 
 namespace strobe::host {
@@ -22,7 +23,7 @@ struct AssemblySettings {
   AnalysisSettings analysis;
   std::optional<double> machine_lag_s;
   CameraTable camera;    ///< for the map's errors
-  bool budgets = false;  ///< give ShotReadout::assembled
+  bool budgets = false;  ///< give ShotReadout::matched
 };
 
 AssemblySettings assembly_settings(const RigFile& rig);
@@ -34,6 +35,7 @@ struct AssembledShot {
   /// Plausible assignments, the frame's first; empty if unmatched.
   std::vector<reduction::AssignedTimes> hypotheses;
   std::optional<reduction::ImagedFlashes> flashes;  ///< absent if unmatched
+  FlashTimes times;                                 ///< of all flashes of the shot
   std::string problem;  ///< why the frame could not be matched, for a person; else empty
 };
 
@@ -49,8 +51,10 @@ reduction::Readout empty_readout(const strobe_msgs::shot_t& shot, const reductio
 
 struct ShotReadout {
   reduction::Readout readout;
-  std::string problem;                       ///< for a person; empty if the flags say all
-  std::optional<AssembledShot> assembled{};  ///< if budgets are asked for: for reduction::mixture_budget()
+  std::string problem;  ///< for a person; empty if the flags say all
+  FlashTimes times;     ///< of all flashes of the shot
+  std::optional<reduction::Frame>
+      matched{};  ///< what was reduced, if budgets are asked for: for reduction::mixture_budget()
 };
 
 /// Assembles and reduces with the best estimator, to the mixture over the plausible assignments of flashes to

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/reduction/matching/contact_match.hpp"
+#include "host/assembly/assemble.hpp"
 #include "host/assembly/flash_times.hpp"
 
 namespace strobe::host {

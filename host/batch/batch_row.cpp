@@ -1,16 +1,25 @@
 #include "host/batch/batch_row.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
-
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <exception>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <vector>
 
 #include "common/config/files.hpp"
-#include "common/messages/encode.hpp"
 #include "common/messages/lcm_conversions.hpp"
-#include "host/archive/results_table.hpp"
+#include "common/messages/parsed_json.hpp"
+#include "common/messages/well_formed.hpp"
 #include "host/archive/shot_outcome.hpp"
 #include "host/photographs/measure_photograph.hpp"
-#include "host/session/results_csv.hpp"
+#include "host/session/shot_table.hpp"
 
 namespace strobe::host {
 namespace {
@@ -22,7 +31,7 @@ std::string_view bytes_of(const std::vector<std::uint8_t>& bytes) {
 }
 
 Result<frame_t> measured_frame(const BatchShot& job, const BatchSettings& batch) {
-  const StoredShot& shot = *job.shot;
+  const Shot& shot = *job.shot;
   MeasureSettings settings{batch.effort, flash_times_s(*shot.summary), {}};
   if (!job.corrections.empty()) {
     auto corrections = digitize::parse_corrections(job.corrections, "corrections");
@@ -32,25 +41,24 @@ Result<frame_t> measured_frame(const BatchShot& job, const BatchSettings& batch)
   const auto measured = measure_photograph(*shot.photograph, *shot.rig, settings);
   if (!measured) return fail(measured.error().message);
   frame_t frame = messages::frame_to_lcm(measured->found.frame);
-  frame.boot_id = shot.key.boot_id;
-  frame.shot_id = shot.key.shot_id;
-  frame.host_id = shot.result.host_id;
+  frame.boot_id = shot.boot_id;
+  frame.shot_id = shot.shot_id;
+  frame.host_id = shot.host_id;
   if (frame.source.empty()) frame.source = "auto";
   return frame;
 }
 
-std::string line_of(const StoredShot& shot, const ShotResult& result) {
-  const auto digitization = shot.digitizations.empty() ? digitization_word(result) : digitization_word(shot);
-  return results_line(result, shot.utc, shot.name, digitization);
-}
-
-BatchRow row_of(const StoredShot& shot, const frame_t& frame) {
-  return {line_of(shot, measured_again(shot, frame))};
+/// By another measurement of the photograph, in place of the one that counts.
+BatchRow row_of(Shot shot, const frame_t& frame) {
+  if (shot.digitizations.empty()) shot.digitizations.emplace_back();
+  shot.digitizations.back().frame = frame;
+  judge_again(shot);
+  return {results_line(shot)};
 }
 
 }  // namespace
 
-Result<BatchShot> batch_shot(const StoredShot& shot, const BatchSettings& settings) {
+Result<BatchShot> batch_shot(const Shot& shot, const BatchSettings& settings) {
   BatchShot job{&shot, RowSource::none, {}};
   if (!shot.summary) return job;
   const Digitization* newest = shot.digitizations.empty() ? nullptr : &shot.digitizations.back();
@@ -66,31 +74,31 @@ Result<BatchShot> batch_shot(const StoredShot& shot, const BatchSettings& settin
 }
 
 std::string row_key(const BatchShot& job, const BatchSettings& settings, const std::string& photograph_hash) {
-  const StoredShot& shot = *job.shot;
+  const Shot& shot = *job.shot;
   ContentHash hash;
   hash.add(settings.version).add(std::to_string(static_cast<int>(settings.effort))).add(shot.rig->text);
   hash.add(shot.rig->calibration_text).add(name(job.source)).add(photograph_hash).add(job.corrections);
   hash.add(shot.summary ? bytes_of(messages::encode(*shot.summary)) : std::string_view());
   // What the logs tell of the shot beside its summary.
-  hash.add(line_of(shot, shot.result));
+  hash.add(results_line(shot));
   if (job.source == RowSource::stored_frame)
     hash.add(bytes_of(messages::encode(shot.digitizations.back().frame)));
   return hash.digits();
 }
 
-BatchRow failed_row(const StoredShot& shot, const std::string& why) {
-  ShotResult result = shot.result;
+BatchRow failed_row(const Shot& shot, const std::string& why) {
+  Shot result = shot;
   const reduction::FlagSet flags = result.readout.flags;
   if (shot.summary) result.readout = empty_readout(*shot.summary, flags);
   result.rejected = why;
-  return {line_of(shot, result), true};
+  return {results_line(result), true};
 }
 
 BatchRow measure(const BatchShot& job, const BatchSettings& settings) {
-  const StoredShot& shot = *job.shot;
+  const Shot& shot = *job.shot;
   switch (job.source) {
     case RowSource::none:
-      return {line_of(shot, shot.result)};
+      return {results_line(shot)};
     case RowSource::stored_frame:
       return row_of(shot, shot.digitizations.back().frame);
     case RowSource::photograph:
@@ -127,6 +135,121 @@ std::string_view name(RowSource source) {
       break;
   }
   return "none";
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr std::int64_t kNs_per_s = 1'000'000'000;
+
+std::string failure(const fs::path& path) { return path.string() + ": " + std::strerror(errno); }
+
+}  // namespace
+
+BatchJournal::~BatchJournal() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+/// Returns false if it is no row.
+bool BatchJournal::load_line(const std::string& line) {
+  const json object = messages::parsed_json<json>(line);
+  if (!object.is_object()) return false;
+  const std::string key = messages::value_of<std::string>(object, "key"),
+                    results = messages::value_of<std::string>(object, "results");
+  if (key.empty() || results.empty()) return false;
+  rows_[key] = {results, messages::value_of<std::int64_t>(object, "failed") != 0};
+  PhotographStamp stamp{messages::value_of<std::string>(object, "photograph"),
+                        messages::value_of<std::int64_t>(object, "size"),
+                        messages::value_of<std::int64_t>(object, "changed_ns"),
+                        messages::value_of<std::string>(object, "hash")};
+  if (!stamp.hash.empty()) stamps_[stamp.path] = std::move(stamp);
+  return true;
+}
+
+Result<void> BatchJournal::load(const fs::path& path, bool own) {
+  std::ifstream file(path, std::ios::binary);
+  off_t whole = 0;
+  bool torn = false;
+  for (std::string line; std::getline(file, line);) {
+    torn = file.eof();  // without its end: cut short
+    if (torn) break;
+    load_line(line);
+    whole += static_cast<off_t>(line.size()) + 1;
+  }
+  if (!file.is_open() || file.bad()) return fail(failure(path));
+  if (own && torn && ::ftruncate(fd_, whole) != 0) return fail(failure(path));
+  return {};
+}
+
+Result<std::unique_ptr<BatchJournal>> BatchJournal::open(const fs::path& folder, const std::string& name) {
+  std::unique_ptr<BatchJournal> journal(new BatchJournal);
+  journal->path_ = folder / name;
+  journal->fd_ = ::open(journal->path_.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
+  if (journal->fd_ < 0) return fail(failure(journal->path_));
+  struct stat opened {};
+  if (::fstat(journal->fd_, &opened) != 0 || !S_ISREG(opened.st_mode))
+    return fail(journal->path_.string() + ": not a regular file");
+  if (::flock(journal->fd_, LOCK_EX | LOCK_NB) != 0)
+    return fail(journal->path_.string() + ": another batch is writing it");
+  std::vector<fs::path> paths;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string file = entry.path().filename().string();
+    if (file.starts_with("done") && file.ends_with(".jsonl")) paths.push_back(entry.path());
+  }
+  if (error) return fail(folder.string() + ": " + error.message());
+  std::ranges::sort(paths);
+  for (const fs::path& path : paths) {
+    if (auto loaded = journal->load(path, path == journal->path_); !loaded)
+      return tl::unexpected(loaded.error());
+  }
+  if (!config::sync_folder(folder)) return fail(failure(folder));
+  return journal;
+}
+
+std::optional<BatchRow> BatchJournal::find(const std::string& key) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = rows_.find(key);
+  return found == rows_.end() ? std::nullopt : std::optional(found->second);
+}
+
+Result<PhotographStamp> BatchJournal::stamp(const fs::path& photograph) const {
+  struct stat now {};
+  if (::stat(photograph.c_str(), &now) != 0) return fail(failure(photograph));
+  PhotographStamp stamp{
+      photograph.string(), now.st_size, now.st_mtim.tv_sec * kNs_per_s + now.st_mtim.tv_nsec, {}};
+  {
+    const std::lock_guard lock(mutex_);
+    const auto known = stamps_.find(stamp.path);
+    if (known != stamps_.end() && known->second.size == stamp.size &&
+        known->second.changed_ns == stamp.changed_ns)
+      return known->second;
+  }
+  const auto hash = hash_of_file(stamp.path);
+  if (!hash) return tl::unexpected(hash.error());
+  stamp.hash = *hash;
+  return stamp;
+}
+
+Result<void> BatchJournal::add(const std::string& key, const BatchRow& row,
+                               const std::optional<PhotographStamp>& photograph) {
+  nlohmann::ordered_json object;
+  object["key"] = key;
+  object["results"] = row.results;
+  object["failed"] = row.failed ? 1 : 0;
+  if (photograph) {
+    object["photograph"] = photograph->path;
+    object["size"] = photograph->size;
+    object["changed_ns"] = photograph->changed_ns;
+    object["hash"] = photograph->hash;
+  }
+  const std::string line = messages::json_text(object) + "\n";
+  const std::lock_guard lock(mutex_);
+  if (!config::write_all(fd_, line) || ::fdatasync(fd_) != 0) return fail(failure(path_));
+  rows_[key] = row;
+  return {};
 }
 
 }  // namespace strobe::host

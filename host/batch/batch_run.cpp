@@ -7,9 +7,10 @@
 #include <thread>
 #include <utility>
 
+#include "common/data/csv.hpp"
 #include "host/archive/read_session.hpp"
-#include "host/session/csv_file.hpp"
-#include "host/session/results_csv.hpp"
+#include "host/session/record_file.hpp"
+#include "host/session/shot_table.hpp"
 
 namespace strobe::host {
 
@@ -91,7 +92,7 @@ Result<std::shared_ptr<BatchRun::OpenSession>> BatchRun::open(const BatchSession
   open->left = open->stored.shots.size();
   open->lines.resize(open->left);
   std::map<std::shared_ptr<const RigFile>, std::shared_ptr<const RigFile>> rigs;
-  for (StoredShot& shot : open->stored.shots) {
+  for (Shot& shot : open->stored.shots) {
     auto& rig = rigs[shot.rig];
     if (!rig) {
       auto own = calibrated(*shot.rig, settings_);
@@ -117,10 +118,10 @@ void BatchRun::read(const BatchSession& session) {
 void BatchRun::finish_unread(const BatchSession& session, const std::string& why) {
   OpenSession unread;
   unread.place = session;
-  ShotResult none;
+  Shot none;
   none.rejected = "session not read: " + why;
-  unread.lines = {fmt::format("{},{},,{},,{}", results_line(none, "", "", ""), csv_field(session.name),
-                              name(RowSource::none), id_)};
+  unread.lines = {
+      fmt::format("{},{},,{},,{}", results_line(none), data::csv_cell(session.name), name(RowSource::none), id_)};
   ++progress_.unread_sessions;
   listener_({session.name, nullptr, unread.lines.front(), true, false}, progress_);
   finish_session(unread);
@@ -145,7 +146,7 @@ BatchRow BatchRun::row_of(const BatchShot& job, std::string& key, bool& earlier)
 }
 
 void BatchRun::measure(const Task& task) {
-  const StoredShot& shot = task.session->stored.shots[task.shot];
+  const Shot& shot = task.session->stored.shots[task.shot];
   std::string key;
   bool earlier = false;
   const auto job = batch_shot(shot, settings_);
@@ -153,8 +154,8 @@ void BatchRun::measure(const Task& task) {
   std::string photograph;
   if (shot.photograph) photograph = shot.photograph->lexically_relative(task.session->stored.folder).string();
   task.session->lines[task.shot] =
-      fmt::format("{},{},{},{},{},{}", row.results, csv_field(task.session->place.name),
-                  csv_field(photograph), job ? name(job->source) : name(RowSource::none), key, id_);
+      fmt::format("{},{},{},{},{},{}", row.results, data::csv_cell(task.session->place.name),
+                  data::csv_cell(photograph), job ? name(job->source) : name(RowSource::none), key, id_);
   finish(task, row, key, earlier);
 }
 

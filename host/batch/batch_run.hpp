@@ -15,9 +15,7 @@
 #include <vector>
 
 #include "common/result.hpp"
-#include "host/batch/batch_journal.hpp"
 #include "host/batch/batch_row.hpp"
-#include "host/batch/batch_settings.hpp"
 #include "host/batch/batch_tables.hpp"
 
 namespace strobe::host {
@@ -33,8 +31,8 @@ struct BatchProgress {
 
 struct FinishedRow {
   std::string session;
-  const StoredShot* shot = nullptr;  ///< null: of a session that cannot be read
-  std::string line;                  ///< of the table, without its line end
+  const Shot* shot = nullptr;  ///< null: of a session that cannot be read
+  std::string line;            ///< of the table, without its line end
   bool failed = false;
   bool earlier = false;  ///< finished in an earlier run
 };

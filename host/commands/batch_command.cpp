@@ -14,11 +14,12 @@
 #include <thread>
 
 #include "common/config/files.hpp"
+#include "common/data/csv.hpp"
 #include "common/messages/parsed_json.hpp"
 #include "host/batch/batch_run.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
-#include "host/session/csv_file.hpp"
+#include "host/session/record_file.hpp"
 
 namespace strobe::host {
 namespace {
@@ -86,7 +87,7 @@ std::string duration_text(double seconds) {
 /// The row's cells by their columns; those of numbers as numbers, absent ones null.
 std::string finished_row_json(const FinishedRow& row) {
   const auto columns = batch_columns();
-  const auto cells = csv_fields(row.line);
+  const auto cells = data::csv_cells(row.line);
   nlohmann::ordered_json object;
   for (std::size_t i = 0; i < columns.size() && i < cells.size(); ++i) {
     nlohmann::ordered_json& value = object[columns[i].name];

@@ -15,7 +15,6 @@
 
 #include "common/command_line/command_line.hpp"
 #include "common/config/files.hpp"
-#include "common/messages/or_null.hpp"
 #include "common/messages/parsed_json.hpp"
 #include "host/camera/calibration.hpp"
 #include "host/commands/command.hpp"

@@ -17,8 +17,8 @@
 #include "host/commission/commissioning.hpp"
 #include "host/commission/steps.hpp"
 #include "host/messages/lcm_link.hpp"
-#include "host/session/logged_transport.hpp"
 #include "host/session/run_lock.hpp"
+#include "host/session/session_folder.hpp"
 #include "host/web/commission/commission_routes.hpp"
 
 namespace strobe::host {
@@ -144,7 +144,7 @@ class CommissionPage final : public HostListener {
 
  private:
   CommissionPage() = default;
-  void on_shot_result(const ShotResult& result) override { model_.add(result); }
+  void on_shot_result(const Shot& result) override { model_.add(result); }
   void on_notification(const std::string& text) override { model_.add_notification(text); }
   void do_as_asked(HostLoop& loop, commission::Commissioning& commissioning);
   void show(const commission::Commissioning& commissioning, web::RunView view);
@@ -247,7 +247,7 @@ class SessionKeeper final : public HostListener {
  public:
   SessionKeeper(SessionFolder& folder, Clock& clock) : folder_(folder), clock_(clock) {}
   void on_shot(const strobe_msgs::shot_t& shot) override { folder_.add(shot); }
-  void on_shot_result(const ShotResult& result) override {
+  void on_shot_result(const Shot& result) override {
     if (!result.dry) folder_.add(result, utc_for_table(clock_.read().wall));
   }
   void on_notification(const std::string& text) override {

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "common/messages/or_null.hpp"
 #include "common/messages/parsed_json.hpp"
 #include "common/units/angles.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "common/units/angles.hpp"
-#include "host/view/text.hpp"
+#include "host/text/text.hpp"
 
 namespace strobe::host {
 

@@ -10,7 +10,7 @@
 #include "common/authentication/key_file.hpp"
 #include "host/commands/command.hpp"
 #include "host/export/log_export.hpp"
-#include "host/export/table_files.hpp"
+#include "host/export/message_tables.hpp"
 
 namespace strobe::host {
 namespace {

@@ -6,7 +6,7 @@
 #include "host/commands/command.hpp"
 #include "host/commands/commission_run.hpp"
 #include "host/commands/shot_text.hpp"
-#include "host/loop/stored_series.hpp"
+#include "host/loop/series_runner.hpp"
 #include "host/messages/lcm_link.hpp"
 #include "host/web/commission/commission_routes.hpp"
 

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "common/impact/fit/rebound_model.hpp"
-#include "common/messages/or_null.hpp"
 #include "common/messages/parsed_json.hpp"
 
 namespace strobe::host {

@@ -43,7 +43,7 @@ class TimingReport final : public HostListener {
   TimingReport(HostLoop& loop, Terminal& terminal, bool json)
       : loop_(loop), terminal_(terminal), json_(json) {}
 
-  void on_shot_result(const ShotResult& result) override {
+  void on_shot_result(const Shot& result) override {
     after_shot_ = result.shot_id;
     status_heard_ = loop_.session().status_heard();
   }

@@ -25,11 +25,11 @@
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/series/budget_lines.hpp"
-#include "host/view/quantities.hpp"
+#include "host/series/series.hpp"
+#include "host/session/shot_table.hpp"
+#include "host/text/text.hpp"
 #include "host/view/series_json.hpp"
 #include "host/view/series_view.hpp"
-#include "host/view/text.hpp"
 
 namespace strobe::host {
 namespace {
@@ -129,7 +129,7 @@ class Reducer {
 
   /// Frames of one scale and one ball are taken to have the same calibration and ball.
   void add_to_series(const Readout& readout, const reduction::Budget& budget, const reduction::Frame* frame) {
-    SeriesShot shot;
+    Shot shot;
     shot.name = std::to_string(readout.shot_id);
     shot.readout = readout;
     shot.budget = budget;
@@ -151,7 +151,7 @@ class Reducer {
     if (!json_) add_to_series(*readout, budget, frame);
     show_progress();
     if (json_) return put_json(*readout, budget);
-    ShotResult shot_result;
+    Shot shot_result;
     shot_result.shot_id = readout->shot_id;
     shot_result.readout = *readout;
     print(render_shot(shot_result, kPlainWidth, all_));

@@ -8,16 +8,16 @@
 
 #include "common/authentication/key_file.hpp"
 #include "common/command_line/command_line.hpp"
-#include "host/archive/fired_shots.hpp"
+#include "host/archive/log_player.hpp"
 #include "host/archive/redigitize.hpp"
-#include "host/archive/results_table.hpp"
 #include "host/archive/shot_outcome.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
+#include "host/config/notes.hpp"
 #include "host/commands/shared_options.hpp"
-#include "host/series/from_session.hpp"
+#include "host/series/select.hpp"
 #include "host/session/run_lock.hpp"
-#include "host/session/shot_names.hpp"
+#include "host/session/shot_table.hpp"
 
 namespace strobe::host {
 namespace {
@@ -52,8 +52,8 @@ class ChosenShot final : public HostListener {
  public:
   ChosenShot(Terminal& terminal, std::string name) : terminal_(terminal), name_(std::move(name)) {}
 
-  void on_shot_result(const ShotResult& result) override {
-    if (!result.dry) shots_.push_back({result.boot_id, result.shot_id});
+  void on_shot_result(const Shot& result) override {
+    if (!result.dry) shots_.push_back(result.key());
     if (name_.empty() || (!result.dry && shot_names(shots_).back() == name_))
       terminal_.on_shot_result(result);
   }
@@ -101,13 +101,6 @@ int replay_log(const ReplayOptions& options) {
   return conclude(options, terminal, rig->rig, log->messages());
 }
 
-/// A person's series tells what its shots share.
-ShotResult with_budget(const StoredShot& shot, bool wanted) {
-  ShotResult result = shot.result;
-  if (wanted && !result.rejected) result.budget = budget_of(shot);
-  return result;
-}
-
 int replay_session(const ReplayOptions& options) {
   Terminal terminal(Terminal::style(options.json, true));
   auto session = read_for(terminal, options.path, options.reading);
@@ -120,9 +113,12 @@ int replay_session(const ReplayOptions& options) {
     terminal.note(fmt::format("{} photograph{} digitized", done.digitized, done.digitized == 1 ? "" : "s"));
     for (const std::string& problem : done.problems) terminal.note(problem);
   }
-  for (const StoredShot& shot : session->shots)
-    if (options.shot.empty() || shot.name == options.shot)
-      terminal.on_shot_result(with_budget(shot, !options.json));
+  for (Shot& shot : session->shots) {
+    if (!options.shot.empty() && shot.name != options.shot) continue;
+    // A person's series tells what its shots share.
+    if (!options.json && !shot.rejected) shot.budget = budget_of(shot);
+    terminal.on_shot_result(shot);
+  }
   if (options.results) {
     const fs::path file =
         options.results->empty() ? session->folder / "results.csv" : fs::path(*options.results);

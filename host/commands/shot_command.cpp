@@ -1,26 +1,111 @@
 // strobe shot: one shot of a session again.
 #include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/command_line/command_line.hpp"
 #include "common/config/files.hpp"
+#include "common/messages/json_conversions.hpp"
 #include "common/messages/parsed_json.hpp"
 #include "host/archive/redigitize.hpp"
-#include "host/archive/reduce_again.hpp"
+#include "host/archive/shot_outcome.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/shared_options.hpp"
-#include "host/commands/shot_report.hpp"
 #include "host/digitize/overlay.hpp"
-#include "host/series/budget_lines.hpp"
-#include "host/series/from_session.hpp"
+#include "host/series/select.hpp"
+#include "host/series/series.hpp"
+#include "host/session/shot_table.hpp"
+#include "host/text/text.hpp"
 #include "host/view/series_json.hpp"
 #include "host/view/series_view.hpp"
 
 namespace strobe::host {
 namespace {
+
+using nlohmann::ordered_json;
+using reduction::Quantity;
+
+/// As it is called in the session.
+std::string within(const StoredSession& session, const std::filesystem::path& file) {
+  return file.lexically_relative(session.folder).string();
+}
+
+ordered_json digitization_json(const StoredSession& session, const Digitization& digitization, bool counts) {
+  const auto file = [&](const std::filesystem::path& path) {
+    return path.empty() ? ordered_json(nullptr) : ordered_json(within(session, path));
+  };
+  ordered_json json;
+  json["digitization"] = digitization_word(digitization);
+  json["images"] = digitization.frame.images.size();
+  json["utc"] = digitization.utc;
+  json["who"] = digitization.who.empty() ? ordered_json(nullptr) : ordered_json(digitization.who);
+  json["file"] = file(digitization.file);
+  json["corrections"] = file(digitization.corrections);
+  json["counts"] = counts;
+  return json;
+}
+
+std::string cell(const reduction::Readout& readout, Quantity quantity) {
+  const auto& value = readout.value[quantity];
+  if (!value) return right("-", 20);
+  const auto sd = readout.sd[quantity];
+  return right(rounded(*value, sd.value_or(0.0), sd ? 0 : 3), 11) +
+         (sd ? left(fmt::format(" ± {:#.2g}", *sd), 11) : "");
+}
+
+/// Keys in fixed order, what is absent null. before: before a change; null: there was none, and the key is left out.
+std::string measurement_json(const StoredSession& session, const Shot& shot, const Shot* before) {
+  ordered_json json;
+  json["shot"] = shot.name;
+  json["utc"] = shot.utc;
+  json["counts"] = !shot.rejected;
+  json["rejected"] = messages::or_null(shot.rejected);
+  json["photograph"] =
+      shot.photograph ? ordered_json(within(session, *shot.photograph)) : ordered_json(nullptr);
+  json["digitizations"] = ordered_json::array();
+  for (const Digitization& each : shot.digitizations)
+    json["digitizations"].push_back(digitization_json(session, each, &each == &shot.digitizations.back()));
+  if (before != nullptr) json["before"] = messages::readout_json(before->readout);
+  return messages::json_text(json);
+}
+
+/// Which photograph, which digitizations, which of them counts.
+std::vector<std::string> measurement_lines(const StoredSession& session, const Shot& shot) {
+  std::vector<std::string> lines;
+  lines.push_back(shot.photograph ? "photograph: " + within(session, *shot.photograph)
+                                  : "no photograph of it is in the session");
+  for (const Digitization& each : shot.digitizations) {
+    const bool counts = &each == &shot.digitizations.back();
+    std::string line = fmt::format("  {}{} {} images  {}", counts ? "* " : "  ",
+                                   left(digitization_word(each), 10), each.frame.images.size(), each.utc);
+    if (!each.who.empty()) line += " by " + each.who;
+    if (!each.file.empty()) line += "  " + within(session, each.file);
+    lines.push_back(line + (counts && shot.digitizations.size() > 1 ? "  (counts)" : ""));
+  }
+  if (shot.digitizations.empty()) lines.push_back("  not digitized");
+  return lines;
+}
+
+/// Each number before and after a change of the digitization.
+std::vector<std::string> comparison_lines(const Shot& before, const Shot& after) {
+  std::vector<std::string> lines{left("", 24) + right("before", 11) + left("", 9) + right("after", 13)};
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    const auto quantity = static_cast<Quantity>(i);
+    if (!before.readout.value[quantity] && !after.readout.value[quantity]) continue;
+    const std::string label =
+        fmt::format("{}{}{}", kQuantityLabels[i].words, kQuantityLabels[i].unit.empty() ? "" : " ",
+                    kQuantityLabels[i].unit);
+    lines.push_back(left(label, 24) + left(cell(before.readout, quantity), 22) +
+                    cell(after.readout, quantity));
+  }
+  const auto verdict = [](const Shot& result) {
+    return result.rejected ? "rejected: " + *result.rejected : "counts";
+  };
+  lines.push_back("before: " + verdict(before));
+  lines.push_back("after:  " + verdict(after));
+  return lines;
+}
 
 struct ShotOptions {
   std::string session;
@@ -39,7 +124,7 @@ struct ShotOptions {
 };
 
 /// What the options ask to be done with the session: the shot as it is then.
-Result<ChangedShot> change(const ShotOptions& options, const StoredSession& session, const StoredShot& shot) {
+Result<ChangedShot> change(const ShotOptions& options, const StoredSession& session, const Shot& shot) {
   if (options.undo_edit) return take_back(session, shot);
   if (options.edit_file.empty()) return ChangedShot{shot, false};
   const auto corrections = config::read_file(options.edit_file);
@@ -47,7 +132,7 @@ Result<ChangedShot> change(const ShotOptions& options, const StoredSession& sess
   return put_correction(session, shot, *corrections, options.edit_file, author_now());
 }
 
-Result<void> draw(const ShotOptions& options, const StoredSession& session, const StoredShot& shot) {
+Result<void> draw(const ShotOptions& options, const StoredSession& session, const Shot& shot) {
   const auto measured = redigitize_newest(session, shot);
   if (!measured) return tl::unexpected(measured.error());
   return digitize::write_overlay(options.overlay, measured->photograph, measured->settings.map,
@@ -55,9 +140,9 @@ Result<void> draw(const ShotOptions& options, const StoredSession& session, cons
 }
 
 /// For a program one object; for a person a table for each essential number.
-std::vector<std::string> budget_lines_of(const StoredShot& shot, bool json) {
+std::vector<std::string> budget_lines_of(const Shot& shot, bool json) {
   const reduction::Budget budget = budget_of(shot);
-  const reduction::Readout& readout = shot.result.readout;
+  const reduction::Readout& readout = shot.readout;
   if (json) {
     nlohmann::ordered_json object{{"shot", shot.name}};
     object["budget"] = budget_json(budget, readout);
@@ -85,7 +170,7 @@ int run_shot(const ShotOptions& options) {
   if (!shot) return bad_input(shot.error().message);
   const auto changed = change(options, *session, **shot);
   if (!changed) return bad_input(changed.error().message);
-  ShotResult result = changed->shot.result;
+  Shot result = changed->shot;
   if (options.reduces()) {
     reduction::ReduceOptions how;
     how.noise = *reduction::noise_source_from_name(options.noise);
@@ -97,7 +182,7 @@ int run_shot(const ShotOptions& options) {
     if (auto drawn = draw(options, *session, changed->shot); !drawn) return bad_input(drawn.error().message);
   }
   terminal.on_shot_result(result);
-  const ShotResult* before = changed->changed ? &(*shot)->result : nullptr;
+  const Shot* before = changed->changed ? &*(*shot) : nullptr;
   if (options.json) {
     print({measurement_json(*session, changed->shot, before)});
   } else {

@@ -16,7 +16,7 @@ void ShotText::add(const std::string& line) {
   folder_.add_text(text + "\n");
 }
 
-void ShotText::on_shot_result(const ShotResult& result) {
+void ShotText::on_shot_result(const Shot& result) {
   if (!shown_(result.host_id)) return;
   std::string text;
   for (const std::string& line : render_shot(result, kPlainWidth))

@@ -19,7 +19,7 @@ class ShotText final : public HostListener {
 
   /// A line of its own.
   void add(const std::string& line);
-  void on_shot_result(const ShotResult& result) override;
+  void on_shot_result(const Shot& result) override;
   void on_notification(const std::string& text) override { add(text); }
 
  private:

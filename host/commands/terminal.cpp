@@ -1,17 +1,19 @@
 #include "host/commands/terminal.hpp"
 
 #include <fmt/format.h>
-
+#include <ncurses.h>
+#include <unistd.h>
 #include <atomic>
 #include <cerrno>
+#include <clocale>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "common/messages/channels.hpp"
-#include "common/messages/json_conversions.hpp"
 #include "common/messages/parsed_json.hpp"
 
 namespace strobe::host {
@@ -24,16 +26,6 @@ std::atomic<int> ends_asked{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 
 void count(int signal) { ends_asked += signal == SIGQUIT ? 2 : 1; }
-
-/// The readout, or the train report of a dry shot; whose it is, why it does not count, and whether it is the lab's.
-std::string json_line(const ShotResult& result) {
-  std::string line = result.dry ? train_report_json(result.train, result.shot_id)
-                                : messages::readout_to_json(result.readout);
-  line.pop_back();
-  line += fmt::format(",\"boot_id\":\"{:x}\",\"rejected\":{}", static_cast<std::uint64_t>(result.boot_id),
-                      result.rejected ? messages::json_text(nlohmann::json(*result.rejected)) : "null");
-  return line + (result.verified ? ",\"verified\":true}" : ",\"verified\":false}");
-}
 
 }  // namespace
 
@@ -66,12 +58,12 @@ void Terminal::open() {
   if (style_ == Style::screen) screen_ = std::make_unique<Screen>();
 }
 
-void Terminal::on_shot_result(const ShotResult& result) {
+void Terminal::on_shot_result(const Shot& result) {
   if (shown_ && !shown_(result.host_id)) return;
   model_.add(result);
   if (max_shots_ > 0 && model_.shots > max_shots_) return;
   if (style_ == Style::json) {
-    std::puts(json_line(result).c_str());
+    std::puts(messages::json_text(shot_json(result)).c_str());
   } else if (style_ == Style::plain) {
     print(render_shot(result, kPlainWidth, model_.all));
   }
@@ -107,6 +99,37 @@ void print(const std::vector<std::string>& lines) {
 std::string lcm_url(const std::string& given, const RigFile& rig) {
   if (!given.empty()) return given;
   return rig.lcm_url.value_or(messages::kDefaultLcmUrl);
+}
+
+bool Screen::possible() {
+  const char* terminal = std::getenv("TERM");
+  return ::isatty(STDOUT_FILENO) == 1 && terminal && *terminal && std::string(terminal) != "dumb";
+}
+
+Screen::Screen() {
+  std::setlocale(LC_CTYPE, "");
+  std::setlocale(LC_NUMERIC, "C");
+  initscr();
+  curs_set(0);
+  leaveok(stdscr, TRUE);
+}
+
+Screen::~Screen() { endwin(); }
+
+std::size_t Screen::width() const {
+  return static_cast<std::size_t>(getmaxx(stdscr) > 0 ? getmaxx(stdscr) : 80);
+}
+
+int Screen::paint(const std::vector<std::string>& lines) {
+  timeout(0);
+  const int key = getch();  // takes note of a resized terminal, too
+  erase();
+  const int height = getmaxy(stdscr);
+  for (int row = 0; row < height && row < static_cast<int>(lines.size()); ++row) {
+    mvaddstr(row, 0, lines[static_cast<std::size_t>(row)].c_str());
+  }
+  refresh();
+  return key;
 }
 
 }  // namespace strobe::host

@@ -1,4 +1,4 @@
-// What the commands share at the edge: signals, and where output goes. Single-threaded.
+// Paints lines on the terminal with ncurses. One object at a time, one thread's.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,26 @@
 #include "host/config/rig_file.hpp"
 #include "host/loop/host_loop.hpp"
 #include "host/view/render.hpp"
-#include "host/view/screen.hpp"
 
 namespace strobe::host {
+
+class Screen {
+ public:
+  /// Whether standard output is a terminal that ncurses can paint on.
+  static bool possible();
+
+  /// Takes the terminal over until destroyed. Install signal handlers before: ncurses then leaves them alone.
+  Screen();
+  ~Screen();
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+
+  std::size_t width() const;
+  /// Returns the key that was pressed since, or a negative number.
+  int paint(const std::vector<std::string>& lines);
+};
+
+// What the commands share at the edge: signals, and where output goes. Single-threaded.
 
 /// Random, positive.
 std::int64_t random_host_id();
@@ -43,7 +60,7 @@ class Terminal final : public HostListener {
   ViewModel& model() { return model_; }
 
   /// Standard output in json and plain style, flushed; on a screen the model shows it.
-  void on_shot_result(const ShotResult& result) override;
+  void on_shot_result(const Shot& result) override;
   /// Standard error; on a screen the model shows it.
   void on_notification(const std::string& text) override;
   /// For a person who sees no screen.

@@ -12,7 +12,7 @@
 #include "common/result.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/loop/host_loop.hpp"
-#include "host/view/view_model.hpp"
+#include "host/view/render.hpp"
 #include "host/web/http/event_hub.hpp"
 #include "host/web/http/router.hpp"
 #include "host/web/live/live_feed.hpp"

@@ -293,11 +293,11 @@ void Commissioning::on_shot(const strobe_msgs::shot_t& shot) {
   if (shot.host_id != loop_.settings().host_id || shots_.find(key) != nullptr) return;
   shots_.put(key, shot);
   if (phase_ != Phase::firing || wanted_.readout || result_) return;
-  result_ = host::unmeasured_result(shot, {}, "");
+  result_ = host::unmeasured_shot(shot, {}, "");
   result_at_ = loop_.now();
 }
 
-void Commissioning::on_shot_result(const host::ShotResult& result) {
+void Commissioning::on_shot_result(const host::Shot& result) {
   if (phase_ != Phase::firing || result.host_id != loop_.settings().host_id || result_) return;
   if (delivered_.find({result.boot_id, result.shot_id}) != nullptr) return;  // of a shot before
   series_->on_shot_result(result);

@@ -89,7 +89,7 @@ class Commissioning final : public host::HostListener {
 
   void on_event(const strobe_msgs::event_t& event) override;
   void on_shot(const strobe_msgs::shot_t& shot) override;
-  void on_shot_result(const host::ShotResult& result) override;
+  void on_shot_result(const host::Shot& result) override;
   void on_photograph(const host::KeptPhotograph& kept) override;
 
  private:
@@ -136,7 +136,7 @@ class Commissioning final : public host::HostListener {
 
   std::optional<host::ShotSeries> series_;
   Fire wanted_;
-  std::optional<host::ShotResult> result_;
+  std::optional<host::Shot> result_;
   HostTime result_at_;
   RecentMap<ShotKey, strobe_msgs::shot_t> shots_{16};
   RecentMap<ShotKey, bool> delivered_{64};

@@ -16,7 +16,7 @@
 #include "common/units/time.hpp"
 #include "host/commission/record/step_result.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/session/shot_result.hpp"
+#include "host/session/shot.hpp"
 
 namespace strobe::commission {
 
@@ -31,7 +31,7 @@ struct Needs {
 /// A shot that the step asked for, with all its events here.
 struct FiredShot {
   strobe_msgs::shot_t shot;
-  host::ShotResult result;
+  host::Shot result;
   std::optional<std::filesystem::path> photograph;  ///< the session's copy; absent: none came
 };
 

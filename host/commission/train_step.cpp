@@ -11,7 +11,7 @@
 #include "host/commission/shot_step.hpp"
 #include "host/commission/statistics.hpp"
 #include "host/commission/steps.hpp"
-#include "host/session/delay_calibration.hpp"
+#include "host/session/train_report.hpp"
 
 namespace strobe::commission {
 namespace {

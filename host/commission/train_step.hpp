@@ -4,7 +4,7 @@
 #include <span>
 #include <strobe_msgs/shot_t.hpp>
 
-#include "common/shot/lamps.hpp"
+#include "common/shot/shot_plan.hpp"
 #include "host/commission/record/step_result.hpp"
 #include "host/config/rig_file.hpp"
 

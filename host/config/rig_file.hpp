@@ -62,7 +62,7 @@ struct AnalysisSettings {
   /// 0.01 to 1000 ms, key machine_lag_sd_ms; of the machine's lag from shot to shot. Absent: not known.
   std::optional<double> machine_lag_sd_s;
   /// 0.001 to 100: a shot is rejected where plausible assignments of flashes to images differ by more, see
-  /// host/session/rejection.hpp.
+  /// host/session/shot.hpp.
   double match_tolerance_percent = 1.0;
 };
 

@@ -7,8 +7,7 @@
 #include "common/messages/parsed_json.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/wire/log_reader.hpp"
-#include "host/export/message_json.hpp"
-#include "host/session/log_files.hpp"
+#include "host/session/session_logs.hpp"
 
 namespace strobe::host {
 namespace {

@@ -1,12 +1,13 @@
 #include "host/loop/host_loop.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-
+#include <cassert>
+#include <charconv>
+#include <fmt/format.h>
+#include <string_view>
 #include <strobe_msgs/readout_t.hpp>
 
-#include "common/messages/encode.hpp"
+#include "common/messages/well_formed.hpp"
 #include "common/messages/lcm_conversions.hpp"
 #include "common/reduction/mixture.hpp"
 
@@ -232,23 +233,24 @@ void HostLoop::send(strobe_msgs::command_t command) {
 
 template <typename Message>
 void HostLoop::publish(messages::Channel channel, const Message& message) {
+  assert(channel != messages::Channel::command);  // which have a sealer and a path of their own
   const std::string name = messages::channel_name(settings_.rig, channel);
   const std::vector<std::uint8_t> bytes = messages::encode(message);
   transport_.publish(name, seal_ ? seal_->seal(name, bytes, {settings_.host_id, ++packets_sealed_}) : bytes);
 }
 
 /// Some milliseconds, which nobody who waits for the readout's message waits for.
-void HostLoop::make_budget(ShotResult& result) {
-  if (result.assembled) result.budget = reduction::mixture_budget(result.assembled->frame, result.readout);
-  result.assembled.reset();
+void HostLoop::make_budget(Shot& result) {
+  if (result.matched) result.budget = reduction::mixture_budget(*result.matched, result.readout);
+  result.matched.reset();
 }
 
 void HostLoop::report() {
   for (const std::string& text : session_.take_notifications()) notify(text);
-  for (ShotResult& result : session_.take_shot_results()) {
+  for (Shot& result : session_.take_shot_results()) {
     result.verified = verifies();
     const bool own = result.host_id == settings_.host_id || session_.adopted(result.host_id);
-    if (settings_.fires && own && !result.dry && !read_out_.contains({result.boot_id, result.shot_id})) {
+    if (settings_.fires && own && !result.dry && !read_out_.contains(result.key())) {
       publish(messages::Channel::readout,
               messages::readout_to_lcm(result.readout, settings_.host_id, result.boot_id));
     }
@@ -259,6 +261,71 @@ void HostLoop::report() {
 
 void HostLoop::notify(const std::string& text) {
   for (HostListener* listener : listeners_) listener->on_notification(text);
+}
+
+namespace {
+
+using strobe_msgs::event_t;
+
+/// Takes `words` off the text's beginning.
+bool take(std::string_view& text, std::string_view words) {
+  const bool there = text.starts_with(words);
+  if (there) text.remove_prefix(words.size());
+  return there;
+}
+
+std::optional<std::int64_t> take_number(std::string_view& text, int base) {
+  std::int64_t number = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), number, base);
+  if (read.ec != std::errc()) return std::nullopt;
+  text.remove_prefix(static_cast<std::size_t>(read.ptr - text.data()));
+  return number;
+}
+
+struct Disarmed {
+  std::int64_t command_id = 0, host_id = 0;
+};
+
+/// Of the event's detail, as event_t.lcm gives it.
+std::optional<Disarmed> disarmed_in(std::string_view detail) {
+  if (!take(detail, "disarmed by command ")) return std::nullopt;
+  const auto command_id = take_number(detail, 10);
+  if (!command_id || !take(detail, " of ")) return std::nullopt;
+  const auto host_id = take_number(detail, 16);
+  if (!host_id) return std::nullopt;
+  return Disarmed{*command_id, *host_id};
+}
+
+}  // namespace
+
+void DisarmRequest::begin(HostTime now) {
+  if (!asked_) asked_ = now;
+  sent_ = now - kRepeat;
+  first_command_ = 0;
+}
+
+bool DisarmRequest::due(HostTime now) {
+  if (!asked_ || now - sent_ < kRepeat) return false;
+  sent_ = now;
+  return true;
+}
+
+void DisarmRequest::on_sent(std::int64_t command_id) {
+  if (first_command_ == 0) first_command_ = command_id;
+}
+
+bool DisarmRequest::on_event(const event_t& event, std::int64_t boot_id) {
+  if (!asked_ || first_command_ == 0 || event.kind != event_t::DISARMED || event.boot_id != boot_id)
+    return false;
+  const auto disarmed = disarmed_in(event.detail);
+  if (!disarmed || disarmed->host_id != host_id_ || disarmed->command_id < first_command_) return false;
+  asked_.reset();
+  return true;
+}
+
+std::string DisarmRequest::not_confirmed(HostTime now) const {
+  if (!asked_ || now - *asked_ < kConfirmWithin) return "";
+  return "DISARM NOT CONFIRMED: the rig does not answer and may still be armed or fire; press the e-stop";
 }
 
 }  // namespace strobe::host

@@ -12,21 +12,53 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <strobe_msgs/event_t.hpp>
 #include <vector>
 
 #include "common/authentication/key.hpp"
 #include "common/messages/channels.hpp"
+#include "common/units/time.hpp"
 #include "host/clock/machine_clock.hpp"
-#include "host/loop/disarm_request.hpp"
 #include "host/messages/command_factory.hpp"
 #include "host/messages/message_decoder.hpp"
-#include "host/messages/packet_check.hpp"
 #include "host/messages/transport.hpp"
 #include "host/photographs/photograph_pipeline.hpp"
-#include "host/session/answer_watch.hpp"
+#include "host/session/live_boots.hpp"
 #include "host/session/session.hpp"
 
 namespace strobe::host {
+
+/// A DISARM that somebody has asked for: sent again and again until the firmware says that it has obeyed one of them. Only
+/// that event tells: a rig that is stopped may have been so before, by a stop that somebody is about to reset. Decides only;
+/// the host loop sends. No I/O.
+class DisarmRequest {
+ public:
+  static constexpr Duration kRepeat = milliseconds{100};
+  /// Not confirmed for so long it is told as a danger.
+  static constexpr Duration kConfirmWithin = milliseconds{500};
+
+  /// host_id: this host's.
+  explicit DisarmRequest(std::int64_t host_id) : host_id_(host_id) {}
+
+  /// What was sent before it confirms nothing any more.
+  void begin(HostTime now);
+  /// Whether a DISARM is to be sent now; counts as sent.
+  bool due(HostTime now);
+  void on_sent(std::int64_t command_id);
+  /// Returns true if this is the confirmation: of a firmware of boot_id, the one that is addressed.
+  bool on_event(const strobe_msgs::event_t& event, std::int64_t boot_id);
+
+  /// Asked for, and not confirmed.
+  bool open() const { return asked_.has_value(); }
+  /// For a person: empty as long as a confirmation is not overdue.
+  std::string not_confirmed(HostTime now) const;
+
+ private:
+  std::int64_t host_id_;
+  std::optional<HostTime> asked_;
+  HostTime sent_;
+  std::int64_t first_command_ = 0;  ///< 0: none was sent
+};
 
 struct HostLoopSettings {
   std::string rig;
@@ -42,7 +74,7 @@ struct HostLoopSettings {
 class HostListener {
  public:
   virtual ~HostListener() = default;
-  virtual void on_shot_result(const ShotResult&) {}
+  virtual void on_shot_result(const Shot&) {}
   /// Each new event, after the session has it.
   virtual void on_event(const strobe_msgs::event_t&) {}
   /// Each shot's summary, as often as it comes.
@@ -130,7 +162,7 @@ class HostLoop final : private MessageHandler {
   void publish_photographs();
   void request_lost_events();
   void ask_who_hears();
-  static void make_budget(ShotResult& result);
+  static void make_budget(Shot& result);
   void report();
   void report_fault();
   void tell_not_kept(const std::string& text);

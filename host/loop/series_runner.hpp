@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "host/loop/host_loop.hpp"
 #include "host/loop/take_in.hpp"
-#include "host/session/gap_recovery.hpp"
+#include "host/session/session_folder.hpp"
 #include "host/session/shot_series.hpp"
 
 namespace strobe::host {
@@ -47,7 +49,7 @@ class SeriesRunner final : public HostListener {
   Duration recovering_for() const;
   const ShotSeries& series() const { return series_; }
 
-  void on_shot_result(const ShotResult& result) override;
+  void on_shot_result(const Shot& result) override;
   void on_event(const strobe_msgs::event_t& event) override { series_.on_event(event); }
 
  private:
@@ -65,6 +67,53 @@ class SeriesRunner final : public HostListener {
   bool hurried_ = false;  ///< lost events are not waited for
   std::optional<TakeIn> take_in_;
   std::optional<GapRecovery> recovery_;
+};
+
+// A series fired on the host loop, with all that is heard kept in a session folder. Before a shot is followed by
+// the next, what was heard of it is on the disk; when the disk fails, or a photograph cannot be kept, the shot
+// under way is the last one. Ports as the loop's; single-threaded.
+
+class StoredSeries final : private HostListener {
+ public:
+  /// The references must outlive the object. What earlier runs in the folder left is taken in first.
+  StoredSeries(const HostLoopSettings& settings, const ShotSeriesSettings& series, SessionFolder& folder,
+               Transport& transport, Clock& clock);
+
+  /// Why it is not known what earlier runs left: then nothing may be fired. Absent: it is known.
+  const std::optional<Error>& former_error() const { return former_error_; }
+
+  HostLoop& loop() { return loop_; }
+  SeriesRunner& runner() { return runner_; }
+
+  /// Waits for messages, takes them in, stores them, goes on with the series. Returns false if nothing can be
+  /// received any more.
+  bool run_once();
+  /// The parts of run_once() after the messages.
+  void step();
+  /// No more messages: the rest is stored, the files are closed.
+  void close();
+
+  /// In place of close() after an exception: disarms and stores what it can.
+  void abandon() noexcept;
+
+  /// What is not stored, a line each; empty: all is.
+  std::vector<std::string> unstored() const;
+
+ private:
+  void on_shot_result(const Shot& result) override;
+  void on_shot(const strobe_msgs::shot_t& shot) override;
+  void on_not_kept(const std::string& what) override;
+  void tell_failures();
+
+  SessionFolder& folder_;
+  Clock& clock_;
+  LoggedTransport transport_;
+  HostLoop loop_;
+  SeriesRunner runner_;
+  std::optional<Error> former_error_;
+  bool unsynced_ = false;  ///< there is a new result
+  HostTime tended_;
+  std::vector<std::string> not_kept_;
 };
 
 }  // namespace strobe::host

@@ -84,7 +84,7 @@ bool TakeIn::finished() {
 
 void TakeIn::on_shot(const shot_t& shot) { former_.shots.try_emplace({shot.boot_id, shot.shot_id}, shot); }
 
-void TakeIn::on_shot_result(const ShotResult& result) {
+void TakeIn::on_shot_result(const Shot& result) {
   former_.results.try_emplace({result.boot_id, result.shot_id}, !result.rejected);
 }
 
@@ -122,6 +122,25 @@ void TakeIn::measure_photographs() {
   const LeftShots left = left_shots();
   if (!loop_.photographs() || left.wanted.empty()) return;
   loop_.photographs()->measure_left(left, clock_of_logs(left.wanted));
+}
+
+namespace {
+
+constexpr Duration kTimeout = std::chrono::minutes{1};
+constexpr Duration kNoProgressTimeout = std::chrono::seconds{15};
+// A status that arrives within this time may have been sent before the start.
+constexpr Duration kTransit = milliseconds{100};
+
+}  // namespace
+
+bool GapRecovery::finished(const Session& session, HostTime now) {
+  const EventLedger& ledger = session.ledger();
+  if (ledger.received() != received_ || progress_ == HostTime{}) progress_ = now;
+  received_ = ledger.received();
+  if (now - started_ > kTimeout || now - progress_ > kNoProgressTimeout) return true;
+  if (!session.status()) return true;  // nobody can be asked
+  if (!ledger.complete()) return false;
+  return !session.live_status(now) || session.status_heard() > started_ + kTransit;
 }
 
 }  // namespace strobe::host

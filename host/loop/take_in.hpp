@@ -1,15 +1,30 @@
-// What earlier runs in a session's folder left, taken in before a run fires: shots that they fired and of which there is
-// no result. Messages come from their logs, what these lack from strobed's journals, photographs from the camera's
-// folder. Each shot gets one result, as if it were this run's. Single-threaded; never waits.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "host/loop/host_loop.hpp"
 #include "host/session/former_runs.hpp"
-#include "host/session/gap_recovery.hpp"
+#include "host/session/session.hpp"
 
 namespace strobe::host {
+
+/// The end of a series: events that were lost on the way are fetched from strobed's journal before the host's log is
+/// closed. No I/O.
+class GapRecovery {
+ public:
+  explicit GapRecovery(HostTime now) : started_(now) {}
+
+  /// Whether no event is missing, by a status that was sent after the start, or none more is to be had: the
+  /// firmware is silent and nothing was missing, nothing new has come for 15 s (networks are cut for ten), or
+  /// a minute is over. To be called at least every second.
+  bool finished(const Session& session, HostTime now);
+
+ private:
+  HostTime started_;
+  HostTime progress_;  ///< when something new came last
+  std::int64_t received_ = 0;
+};
 
 class TakeIn final : public HostListener {
  public:
@@ -21,7 +36,7 @@ class TakeIn final : public HostListener {
   bool finished();
 
   void on_shot(const strobe_msgs::shot_t& shot) override;
-  void on_shot_result(const ShotResult& result) override;
+  void on_shot_result(const Shot& result) override;
 
  private:
   enum class Phase { fetching, measuring, finishing, finished };

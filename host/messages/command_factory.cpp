@@ -1,7 +1,7 @@
 #include "host/messages/command_factory.hpp"
 
 #include "common/authentication/seal.hpp"
-#include "common/messages/host_name.hpp"
+#include "common/messages/danger.hpp"
 #include "common/messages/plan_lcm.hpp"
 #include "common/messages/record.hpp"
 

@@ -11,7 +11,7 @@
 #include "common/authentication/key.hpp"
 #include "common/reduction/frame.hpp"
 #include "common/result.hpp"
-#include "common/shot/sequence_range.hpp"
+#include "common/shot/shot_key.hpp"
 #include "common/shot/shot_plan.hpp"
 
 namespace strobe::host {

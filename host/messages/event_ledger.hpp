@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "common/shot/sequence_range.hpp"
+#include "common/shot/shot_key.hpp"
 #include "common/units/time.hpp"
 
 namespace strobe::host {

@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "common/messages/json_conversions.hpp"
-#include "common/messages/or_null.hpp"
 #include "common/messages/parsed_json.hpp"
 
 namespace strobe::host {

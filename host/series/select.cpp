@@ -1,9 +1,15 @@
 #include "host/series/select.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
+#include <cassert>
 #include <charconv>
+#include <functional>
 #include <map>
 #include <optional>
+#include <utility>
+
+#include "common/reduction/mixture.hpp"
 
 namespace strobe::host {
 namespace {
@@ -30,18 +36,18 @@ bool same_value(const std::string& a, const std::string& b) {
   return !before(a, b) && !before(b, a);
 }
 
-std::string value_of(const SeriesShot& shot, const std::string& key) {
+std::string value_of(const Shot& shot, const std::string& key) {
   if (key == "session") return shot.session;
   const auto note = shot.readout.record.find(key);
   return note == shot.readout.record.end() ? "" : note->second;
 }
 
-bool named(const SeriesShot& shot, const std::string& name) {
+bool named(const Shot& shot, const std::string& name) {
   return shot.full_name() == name || shot.name == name;
 }
 
 /// The one shot of that name.
-Result<std::size_t> find_named(const std::vector<SeriesShot>& shots, const std::string& name) {
+Result<std::size_t> find_named(const std::vector<Shot>& shots, const std::string& name) {
   std::optional<std::size_t> found;
   for (std::size_t i = 0; i < shots.size(); ++i) {
     if (shots[i].full_name() == name) return i;
@@ -79,7 +85,7 @@ Result<std::pair<std::string, std::string>> parse_where(const std::string& text)
   return std::pair(note_key(text.substr(0, equals)), text.substr(equals + 1));
 }
 
-Result<SelectedShots> select_shots(std::vector<SeriesShot> shots, const Selection& selection) {
+Result<SelectedShots> select_shots(std::vector<Shot> shots, const Selection& selection) {
   SelectedShots selected;
   std::vector<bool> left_out(shots.size(), false);
   for (const std::string& name : selection.without) {
@@ -91,7 +97,7 @@ Result<SelectedShots> select_shots(std::vector<SeriesShot> shots, const Selectio
   }
   std::vector<std::string> keys;
   for (const std::string& word : selection.by) keys.push_back(note_key(word));
-  std::map<std::vector<std::string>, std::vector<SeriesShot>, ByValues> groups;
+  std::map<std::vector<std::string>, std::vector<Shot>, ByValues> groups;
   for (std::size_t i = 0; i < shots.size(); ++i) {
     if (left_out[i]) continue;
     const bool asked = std::ranges::all_of(selection.where, [&](const auto& condition) {
@@ -108,6 +114,55 @@ Result<SelectedShots> select_shots(std::vector<SeriesShot> shots, const Selectio
   for (auto& [values, members] : groups)
     selected.groups.push_back({group_title(keys, values), std::move(members)});
   return selected;
+}
+
+namespace {
+
+std::string text_of(const std::optional<double>& number) { return number ? fmt::format("{}", *number) : "-"; }
+
+/// A calibration file is thousands of digits: shots keep a number that stands for it.
+std::string calibration_of(const RigFile& rig) {
+  const std::string text = fmt::format("{}\n{} {}", calibration_text(rig.camera),
+                                       text_of(rig.analysis.px_per_m), text_of(rig.analysis.px_per_m_sd));
+  return fmt::format("{:016x}", std::hash<std::string>{}(text));
+}
+
+std::string ball_of(const RigFile& rig, const reduction::Record& record) {
+  const auto name = record.find("ball_name");
+  return fmt::format("{}\n{} {} {}", name == record.end() ? "" : name->second, rig.ball.diameter_m,
+                     rig.ball.diameter_sd_m, text_of(rig.ball.mass_kg));
+}
+
+}  // namespace
+
+std::optional<reduction::Frame> matched_frame(const Shot& shot) {
+  if (!shot.summary || shot.frame() == nullptr) return std::nullopt;
+  AssembledShot assembled = assemble(*shot.summary, *shot.frame(), assembly_settings(*shot.rig));
+  if (assembled.frame.images.empty()) return std::nullopt;
+  return std::move(assembled.frame);
+}
+
+reduction::Budget budget_of(const Shot& shot) {
+  const auto frame = matched_frame(shot);
+  return frame ? reduction::mixture_budget(*frame, shot.readout) : reduction::Budget{};
+}
+
+Shot series_shot(const Shot& stored) {
+  assert(stored.rig);
+  Shot shot = stored;
+  if (!shot.rejected) shot.budget = budget_of(stored);
+  shot.calibration = calibration_of(*stored.rig);
+  shot.ball = ball_of(*stored.rig, stored.readout.record);
+  shot.summary.reset();
+  shot.digitizations.clear();
+  return shot;
+}
+
+std::vector<Shot> series_shots(const StoredSession& session, const std::string& session_name) {
+  std::vector<Shot> shots;
+  shots.reserve(session.shots.size());
+  for (const Shot& stored : session.shots) shots.emplace_back(series_shot(stored)).session = session_name;
+  return shots;
 }
 
 }  // namespace strobe::host

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "common/result.hpp"
-#include "host/series/series_shot.hpp"
+#include "host/archive/read_session.hpp"
+#include "host/series/series.hpp"
 
 namespace strobe::host {
 
@@ -18,7 +19,7 @@ struct Selection {
 
 struct ShotGroup {
   std::string name;  ///< "zero 23": the notes' values in the order of Selection::by; empty without any
-  std::vector<SeriesShot> shots;
+  std::vector<Shot> shots;
 };
 
 struct SelectedShots {
@@ -34,6 +35,22 @@ std::string note_key(const std::string& word);
 Result<std::pair<std::string, std::string>> parse_where(const std::string& text);
 
 /// Fails for a shot to be left out that is not there, or whose name several sessions have.
-Result<SelectedShots> select_shots(std::vector<SeriesShot> shots, const Selection& selection);
+Result<SelectedShots> select_shots(std::vector<Shot> shots, const Selection& selection);
+
+// The shots of a stored session as a series takes them. No I/O; thread-safe; allocates; some milliseconds a shot.
+
+/// A stored shot with its budget, if it counts, and with whose errors it shares; without its messages, which a series needs
+/// no more.
+Shot series_shot(const Shot& stored);
+
+/// `session`: what its shots are called by, empty where there is one session only. Calibration and ball are those of the
+/// shot's rig file, the ball also by its note ball_name: balls that no note tells apart are taken for the same.
+std::vector<Shot> series_shots(const StoredSession& session, const std::string& session_name);
+
+/// The shot's frame with the likeliest times of its flashes; absent without one.
+std::optional<reduction::Frame> matched_frame(const Shot& shot);
+
+/// Of the digitization that counts; empty without one.
+reduction::Budget budget_of(const Shot& shot);
 
 }  // namespace strobe::host

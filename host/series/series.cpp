@@ -1,6 +1,7 @@
 #include "host/series/series.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -81,18 +82,19 @@ void combine(QuantitySummary& s) {
 }
 
 /// The court pace is the ITF's for shots as it prescribes them only.
-bool counts(const SeriesShot& shot, Quantity q) {
+bool counts(const Shot& shot, Quantity q) {
   return shot.readout.value[q] && (q != Quantity::court_pace || shot.readout.court_pace_conforming);
 }
 
 }  // namespace
 
-void Series::add(const SeriesShot& shot) {
+void Series::add(const Shot& shot) {
   if (shot.rejected) {
     ++rejected_;
     return;
   }
   ++counted_;
+  assert(names_.size() + 1 == static_cast<std::size_t>(counted_));
   if (shot.budget.sources.empty()) shared_known_ = false;
   names_.push_back(shot.full_name());
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
@@ -104,10 +106,13 @@ void Series::add(const SeriesShot& shot) {
   add_shared(shot);
 }
 
-void Series::add_shared(const SeriesShot& shot) {
+void Series::add_shared(const Shot& shot) {
+  const auto named = shot.readout.record.find("ball_name");
+  const std::string& ball =
+      shot.ball.empty() && named != shot.readout.record.end() ? named->second : shot.ball;
   for (const BudgetSource& source : shot.budget.sources) {
     if (!is_shared(source.source)) continue;
-    const std::string& identity = is_calibration(source.source) ? shot.calibration : shot.ball;
+    const std::string& identity = is_calibration(source.source) ? shot.calibration : ball;
     SharedEffect& sum = sums_[{source.source, source.number, identity}];
     sum.input_sd = source.input_sd;
     sum.input_unit = source.input_unit;
@@ -169,10 +174,60 @@ SeriesSummary Series::summary(std::string name) const {
   return summary;
 }
 
-SeriesSummary summarize(std::string name, std::span<const SeriesShot> shots) {
+SeriesSummary summarize(std::string name, std::span<const Shot> shots) {
   Series series;
-  for (const SeriesShot& shot : shots) series.add(shot);
+  for (const Shot& shot : shots) series.add(shot);
   return series.summary(std::move(name));
+}
+
+namespace {
+
+constexpr std::string_view kMapLine = "map from photograph to plane";
+
+BudgetLine budget_line_of(const reduction::BudgetSource& source, reduction::Quantity q) {
+  BudgetLine line;
+  line.source = source.source == reduction::Source::map ? std::string(kMapLine) : name_of(source);
+  line.type = source.type;
+  line.degrees_of_freedom = source.degrees_of_freedom;
+  line.shared = is_shared(source.source);
+  line.effect = std::abs(source.of(q));
+  if (source.source == reduction::Source::map || !(source.input_sd > 0.0)) return line;
+  line.input_sd = source.input_sd;
+  line.input_unit = source.input_unit;
+  line.sensitivity = source.of(q) / source.input_sd;
+  return line;
+}
+
+}  // namespace
+
+std::vector<BudgetLine> budget_lines(const reduction::Budget& budget, reduction::Quantity q) {
+  std::vector<BudgetLine> lines;
+  double variance = 0.0;
+  for (const reduction::BudgetSource& source : budget.sources) {
+    const double effect = source.of(q);
+    if (effect == 0.0) continue;
+    variance += effect * effect;
+    const bool again =
+        source.source == reduction::Source::map && !lines.empty() && lines.back().source == kMapLine;
+    if (again)
+      lines.back().effect = std::hypot(lines.back().effect, effect);
+    else
+      lines.push_back(budget_line_of(source, q));
+  }
+  for (BudgetLine& line : lines) line.share = line.effect * line.effect / variance;
+  return lines;
+}
+
+std::optional<IndividualsLimits> individuals_limits(std::span<const double> values) {
+  if (values.size() < kMinForLimits) return std::nullopt;
+  double sum = 0.0, ranges = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    sum += values[i];
+    if (i > 0) ranges += std::abs(values[i] - values[i - 1]);
+  }
+  const double mean = sum / static_cast<double>(values.size());
+  const double sd = ranges / static_cast<double>(values.size() - 1) / kRangeOfTwo;
+  return IndividualsLimits{mean, mean - 3.0 * sd, mean + 3.0 * sd};
 }
 
 }  // namespace strobe::host

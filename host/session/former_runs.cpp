@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <optional>
@@ -17,8 +16,9 @@
 #include "common/messages/channels.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/wire/log_reader.hpp"
-#include "host/session/log_files.hpp"
-#include "host/session/results_rows.hpp"
+#include "host/messages/message_decoder.hpp"
+#include "host/session/session_logs.hpp"
+#include "host/session/shot_table.hpp"
 
 namespace strobe::host {
 namespace {
@@ -28,75 +28,71 @@ using authentication::Bytes;
 using messages::Channel;
 using strobe_msgs::command_t;
 
-template <typename Message>
-std::optional<Message> decoded(Bytes bytes) {
-  Message message{};
-  if (!messages::decode_checked(message, bytes.data(), bytes.size()) || !messages::in_range(message))
-    return std::nullopt;
-  return message;
-}
-
-class RunReader {
+class RunReader final : public MessageHandler {
  public:
   RunReader(const std::string& rig, const authentication::Key& key, FormerRuns& runs)
-      : rig_(rig), key_(key), seal_(key), runs_(runs) {
-    for (const Channel channel :
-         {Channel::command, Channel::event, Channel::status, Channel::shot, Channel::frame, Channel::readout})
-      channels_[static_cast<std::size_t>(channel)] = messages::channel_name(rig, channel);
-  }
+      : rig_(rig),
+        key_(key),
+        seal_(key),
+        command_channel_(messages::channel_name(rig, Channel::command)),
+        readout_channel_(messages::channel_name(rig, Channel::readout)),
+        decoder_(rig, *this),
+        runs_(runs) {}
 
   /// Past records that a power cut tore.
   void read(const fs::path& path) {
     wire::LogReader log(path);
     for (wire::LogRecord record; log.next(record);) {
-      if (record.channel == name(Channel::command)) {
-        take_command(record.bytes);
+      if (record.channel == command_channel_) {
+        on_command(record.bytes);
       } else if (const auto opened = seal_.open(record.channel, record.bytes)) {
-        take(record.channel, opened->message, HostTime{microseconds{record.wall_us}});
+        heard_ = HostTime{microseconds{record.wall_us}};
+        if (record.channel == readout_channel_) on_readout(opened->message);
+        decoder_.receive(record.channel, opened->message);
       }
     }
   }
+  /// What the last exception on a message said; empty: there was none.
+  const std::string& fault() const { return decoder_.fault(); }
 
  private:
-  const std::string& name(Channel channel) const { return channels_[static_cast<std::size_t>(channel)]; }
-
   /// Only its own commands are in a host's log.
-  void take_command(Bytes bytes) {
+  void on_command(Bytes bytes) {
     const auto body = authentication::unseal(key_, rig_, bytes);
-    const auto command = body ? decoded<command_t>(*body) : std::nullopt;
-    if (!command || command->kind != command_t::FIRE) return;
-    runs_.host_ids.insert(command->host_id);
-    runs_.tokens.insert({command->boot_id, command->arm_token});
+    command_t command{};
+    const bool good =
+        body && messages::decode_checked(command, body->data(), body->size()) && messages::in_range(command);
+    if (!good || command.kind != command_t::FIRE) return;
+    runs_.host_ids.insert(command.host_id);
+    runs_.tokens.insert({command.boot_id, command.arm_token});
   }
-
-  void take(const std::string& channel, Bytes bytes, HostTime heard) {
-    if (channel == name(Channel::event)) {
-      if (auto event = decoded<strobe_msgs::event_t>(bytes)) runs_.events.push_back(std::move(*event));
-    } else if (channel == name(Channel::shot)) {
-      if (auto shot = decoded<strobe_msgs::shot_t>(bytes))
-        runs_.shots.try_emplace({shot->boot_id, shot->shot_id}, std::move(*shot));
-    } else if (channel == name(Channel::frame)) {
-      if (auto frame = decoded<strobe_msgs::frame_t>(bytes); frame && frame->boot_id != 0)
-        runs_.frames.try_emplace({frame->boot_id, frame->shot_id}, std::move(*frame));
-    } else if (channel == name(Channel::readout)) {
-      // Numbers that could not be had are no less a readout.
-      strobe_msgs::readout_t readout;
-      if (messages::decode_checked(readout, bytes.data(), bytes.size()))
-        runs_.read_out.insert({readout.boot_id, readout.shot_id});
-    } else if (channel == name(Channel::status)) {
-      if (const auto status = decoded<strobe_msgs::status_t>(bytes))
-        runs_.heartbeats.push_back(
-            {status->boot_id,
-             {from_ns(status->mono_ns), from_ns<WallTime>(status->wall_ns), Duration{status->boot_time_ns}},
-             heard});
-    }
+  /// Numbers that could not be had are no less a readout.
+  void on_readout(Bytes bytes) {
+    strobe_msgs::readout_t readout;
+    if (messages::decode_checked(readout, bytes.data(), bytes.size()))
+      runs_.read_out.insert({readout.boot_id, readout.shot_id});
+  }
+  void on_event(const strobe_msgs::event_t& event) override { runs_.events.push_back(event); }
+  void on_shot(const strobe_msgs::shot_t& shot) override {
+    runs_.shots.try_emplace({shot.boot_id, shot.shot_id}, shot);
+  }
+  void on_frame(const strobe_msgs::frame_t& frame) override {
+    if (frame.boot_id != 0) runs_.frames.try_emplace({frame.boot_id, frame.shot_id}, frame);
+  }
+  void on_status(const strobe_msgs::status_t& status) override {
+    runs_.heartbeats.push_back(
+        {status.boot_id,
+         {from_ns(status.mono_ns), from_ns<WallTime>(status.wall_ns), Duration{status.boot_time_ns}},
+         heard_});
   }
 
   const std::string& rig_;
   const authentication::Key& key_;
   authentication::PacketSeal seal_;
+  std::string command_channel_, readout_channel_;
+  MessageDecoder decoder_;
   FormerRuns& runs_;
-  std::array<std::string, messages::kChannelKinds.size()> channels_;
+  HostTime heard_;
 };
 
 }  // namespace
@@ -148,6 +144,7 @@ Result<FormerRuns> read_former_runs(const fs::path& folder, const std::string& r
     if (::access(log.c_str(), R_OK) != 0) return fail(log.string() + ": " + std::strerror(errno));
     reader.read(log);
   }
+  if (!reader.fault().empty()) return fail(folder.string() + ": " + reader.fault());
   return former;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "common/config/files.hpp"
@@ -13,76 +14,71 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Absent, or of another kind than is wanted: the fallback.
-template <typename Value>
-Value value_of(const Json& object, const char* key, Value fallback) {
-  const auto found = object.find(key);
-  if (found == object.end()) return fallback;
-  if constexpr (std::is_same_v<Value, bool>) return found->is_boolean() ? found->get<bool>() : fallback;
-  if constexpr (std::is_same_v<Value, int>) return found->is_number_integer() ? found->get<int>() : fallback;
-  if constexpr (std::is_same_v<Value, std::string>)
-    return found->is_string() ? found->get<std::string>() : fallback;
+/// The keys of a record and where their values are, in the file's order.
+template <typename Run, typename Visit>
+void visit_fields(Run& run, const Visit& visit) {
+  visit("utc", run.utc);
+  visit("host_id", run.host_id);
+  visit("version", run.version);
+  visit("operator", run.operator_name);
+  visit("shots", run.shots);
+  visit("until", run.until);
+  visit("retries", run.retries);
+  visit("dry", run.dry);
+  visit("notes", run.notes);
+  visit("plan_file", run.plan_file);
+  visit("spacing", run.spacing);
+  visit("rig_file", run.rig_file);
+  visit("photographs", run.photographs);
+  visit("effort", run.effort);
+  visit("key_fingerprint", run.key_fingerprint);
+  visit("command", run.command);
+  visit("session_shots", run.session_shots);
 }
 
-std::int64_t host_id_of(const Json& object) {
-  const std::string text = value_of(object, "host_id", std::string());
+void read_field(const Json& json, std::int64_t& host_id) {
+  const std::string text = json.is_string() ? json.get<std::string>() : std::string();
   std::int64_t id = 0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), id);
-  return read.ec == std::errc() && read.ptr == text.data() + text.size() ? id : 0;
+  if (read.ec == std::errc() && read.ptr == text.data() + text.size()) host_id = id;
+}
+
+void read_field(const Json& json, reduction::Record& notes) {
+  if (!json.is_object()) return;
+  for (const auto& [key, value] : json.items())
+    if (value.is_string()) notes[key] = value.get<std::string>();
+}
+
+void read_field(const Json& json, std::vector<std::string>& words) {
+  if (!json.is_array()) return;
+  for (const Json& word : json)
+    if (word.is_string()) words.push_back(word.get<std::string>());
+}
+
+template <typename Value>
+void read_field(const Json& json, Value& into) {
+  messages::read_value(json, into);
 }
 
 std::optional<RunRecord> run_of(std::string_view line) {
   const Json object = messages::parsed_json<Json>(line);
   if (!object.is_object()) return std::nullopt;
+  constexpr int kAbsent = std::numeric_limits<int>::min();
   RunRecord run;
-  run.utc = value_of(object, "utc", std::string());
-  run.host_id = host_id_of(object);
-  run.version = value_of(object, "version", std::string());
-  run.operator_name = value_of(object, "operator", std::string());
-  run.shots = value_of(object, "shots", 1);
-  run.until = value_of(object, "until", false);
-  run.retries = value_of(object, "retries", 0);
-  run.dry = value_of(object, "dry", false);
-  const auto notes = object.find("notes");
-  if (notes != object.end() && notes->is_object()) {
-    for (const auto& [key, value] : notes->items())
-      if (value.is_string()) run.notes[key] = value.get<std::string>();
-  }
-  run.plan_file = value_of(object, "plan_file", std::string());
-  run.spacing = value_of(object, "spacing", std::string());
-  run.rig_file = value_of(object, "rig_file", std::string());
-  run.photographs = value_of(object, "photographs", std::string());
-  run.effort = value_of(object, "effort", std::string());
-  run.key_fingerprint = value_of(object, "key_fingerprint", std::string());
-  run.session_shots = value_of(object, "session_shots", run.shots);
-  const auto command = object.find("command");
-  if (command != object.end() && command->is_array()) {
-    for (const Json& word : *command)
-      if (word.is_string()) run.command.push_back(word.get<std::string>());
-  }
+  run.session_shots = kAbsent;
+  visit_fields(run, [&object](const char* key, auto& into) {
+    if (const auto found = object.find(key); found != object.end()) read_field(*found, into);
+  });
+  if (run.session_shots == kAbsent) run.session_shots = run.shots;
   return run.host_id == 0 ? std::nullopt : std::optional(run);
 }
 
 }  // namespace
 
 std::string run_line(const RunRecord& run) {
-  const Json object{{"utc", run.utc},
-                    {"host_id", std::to_string(run.host_id)},
-                    {"version", run.version},
-                    {"operator", run.operator_name},
-                    {"shots", run.shots},
-                    {"until", run.until},
-                    {"retries", run.retries},
-                    {"dry", run.dry},
-                    {"notes", run.notes},
-                    {"plan_file", run.plan_file},
-                    {"spacing", run.spacing},
-                    {"rig_file", run.rig_file},
-                    {"photographs", run.photographs},
-                    {"effort", run.effort},
-                    {"key_fingerprint", run.key_fingerprint},
-                    {"command", run.command},
-                    {"session_shots", run.session_shots}};
+  Json object;
+  visit_fields(run, [&object](const char* key, const auto& value) { object[key] = value; });
+  object["host_id"] = std::to_string(run.host_id);
   // Words of a command line need not be text.
   return messages::json_text(object) + "\n";
 }
@@ -94,16 +90,6 @@ void RunRecords::add(std::string_view line, int number) {
   } else {
     remarks.push_back(fmt::format("runs.jsonl:{}: not the record of a run; it is left out", number));
   }
-}
-
-RunRecords parse_runs(std::string_view text) {
-  RunRecords records;
-  for (int number = 1; !text.empty(); ++number) {
-    const std::size_t end = text.find('\n');
-    records.add(text.substr(0, end), number);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  }
-  return records;
 }
 
 Result<RunRecords> read_runs(const std::filesystem::path& path) {

@@ -42,13 +42,10 @@ struct RunRecords {
   std::vector<RunRecord> runs;  ///< oldest first
   std::vector<std::string>
       remarks;  ///< a sentence for each line that is no record, such as one that a power cut tore
-  /// Any bytes without their end. number: of the line, from 1.
+  /// Any bytes without their end; number: of the line, from 1. A line without a host_id, or that is no JSON object, is left
+  /// out and told. What else is absent or of another type is as RunRecord has it by default.
   void add(std::string_view line, int number);
 };
-
-/// Any bytes. A line without a host_id, or that is no JSON object, is left out and told. What else is absent or of another
-/// type is as RunRecord has it by default.
-RunRecords parse_runs(std::string_view text);
 
 /// Of a file of any size; no runs if there is none. Fails on a file that cannot be read.
 Result<RunRecords> read_runs(const std::filesystem::path& path);

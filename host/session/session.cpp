@@ -1,13 +1,11 @@
 #include "host/session/session.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cassert>
-#include <charconv>
 #include <string_view>
 
-#include "common/messages/host_name.hpp"
+#include "common/messages/danger.hpp"
 
 namespace strobe::host {
 namespace {
@@ -43,12 +41,6 @@ MonoTime end_of(const shot_t& shot, MonoTime fallback) {
   return known(end) && end != MonoTime{} ? end : fallback;
 }
 
-std::int64_t host_id_in(const std::string& hex) {
-  std::int64_t host = 0;
-  std::from_chars(hex.data(), hex.data() + hex.size(), host, 16);
-  return host;
-}
-
 }  // namespace
 
 /// The photograph's time runs from the end of the shot, or from now if that is over or cannot be known.
@@ -68,7 +60,7 @@ void Session::on_event(const event_t& event, HostTime now) {
   if (!ledger_.add(event.boot_id, event.sequence, now)) return;
   const ShotKey key{event.boot_id, event.shot_id};
   if (event.kind == event_t::ARMED) {
-    const std::int64_t host = host_id_in(event.detail);
+    const std::int64_t host = messages::host_id_in(event.detail);
     armed_.put({event.boot_id, event.sequence}, host);
     if (const auto name = messages::host_name_in(event.detail); !name.empty())
       host_names_.put(host, std::string(name));
@@ -187,7 +179,7 @@ void Session::finish(const shot_t& shot, const frame_t& frame) {
   mark_finished({shot.boot_id, shot.shot_id}, {hash_of(frame), false});
   reduction::FlagSet flags;
   add_flags(shot, flags);
-  push(measured_result(shot, frame, flags, settings_));
+  push(measured_shot(shot, frame, flags, settings_));
 }
 
 void Session::finish_without_photograph(const shot_t& shot, Flag why, std::string problem) {
@@ -195,12 +187,12 @@ void Session::finish_without_photograph(const shot_t& shot, Flag why, std::strin
   reduction::FlagSet flags;
   flags.set(why);
   add_flags(shot, flags);
-  push(unmeasured_result(shot, flags, std::move(problem)));
+  push(unmeasured_shot(shot, flags, std::move(problem)));
 }
 
 void Session::finish_dry(const shot_t& shot) {
   mark_finished({shot.boot_id, shot.shot_id}, {});
-  push(dry_result(shot));
+  push(dry_shot(shot));
 }
 
 /// Who armed for it: the last one before its start.
@@ -214,7 +206,7 @@ std::int64_t Session::host_of(const ShotKey& key, const OpenShot& open) const {
 /// The firmware died before it had written the shot's summary.
 void Session::finish_interrupted(const ShotKey& key, const OpenShot& open, const char* why) {
   mark_finished(key, {});
-  push(interrupted_result(key, host_of(key, open), open.dry, why));
+  push(interrupted_shot(key, host_of(key, open), open.dry, why));
 }
 
 void Session::finish_interrupted_shots() {
@@ -337,6 +329,107 @@ void Session::on_end() {
     pending_.erase(pending_.begin());
     finish_late(waiting, "no photograph in the log");
   }
+}
+
+void HeardTime::on_heartbeat(std::int64_t boot_id, MonoTime sent) {
+  const Boot* before = boots_.find(boot_id);
+  const Duration passed = before ? sent - before->newest : Duration{};
+  if (passed < Duration{}) return;
+  if (passed <= kSilent) now_ += passed;
+  assert(now_ >= Duration{});
+  boots_.put(boot_id, {sent, now_});
+}
+
+std::optional<Duration> HeardTime::at(std::int64_t boot_id, MonoTime instant) const {
+  const Boot* boot = boots_.find(boot_id);
+  return boot ? std::optional(boot->at + (instant - boot->newest)) : std::nullopt;
+}
+
+// What the session makes of the firmware's status messages.
+
+void Session::on_status(const strobe_msgs::status_t& status, HostTime now, const std::string& sender) {
+  const bool known = boots_.knows(status.boot_id);
+  boots_.on_status(status, sender, now);
+  if (outdated(status, now)) return;
+  // Of two that are heard in turn none is started anew.
+  const bool in_turn = known && now - status_heard_ <= kSilent;
+  if (status_ && status_->boot_id != status.boot_id && !in_turn) {
+    notify(fmt::format("the firmware was started anew (boot {:x})", status.boot_id));
+  }
+  const DeviceReading device{from_ns(status.mono_ns), from_ns<WallTime>(status.wall_ns),
+                             Duration{status.boot_time_ns}};
+  heard_.on_heartbeat(status.boot_id, device.mono);
+  clock_.on_heartbeat(status.boot_id, device, now);
+  report_clock();
+  report_danger(status, now);
+  report_arming(status);
+  status_ = status;
+  status_heard_ = now;
+  if (host_id_ != 0 && status.arm_host_id == host_id_) answered_boot_ = status.boot_id;
+  ledger_.status(status.boot_id, status.last_sequence, now);
+  std::vector<EndedBoot> earlier;
+  for (const auto& boot : status.earlier) earlier.push_back({boot.boot_id, boot.last_sequence});
+  ledger_.earlier(earlier, now);
+  finish_interrupted_shots();
+  expire(now);
+}
+
+void Session::report_danger(const status_t& status, HostTime now) {
+  if (!messages::tells_danger(status.message)) {
+    if (!danger_.empty()) notify("the outputs are inactive again; the firmware was heard to say so");
+    return danger_.clear();
+  }
+  if (danger_ == status.message) return;
+  danger_ = status.message;
+  danger_told_ = now;
+  notify(danger_);
+}
+
+void Session::report_arming(const status_t& status) {
+  const std::int64_t host = status.arm_host_id;
+  if (host == 0 || host == arming_told_ || host == host_id_) return;
+  const std::string name = host_name(host);
+  if (name.empty()) return;
+  arming_told_ = host;
+  notify("the rig was armed by " + name);
+}
+
+std::string Session::host_name(std::int64_t host_id) const {
+  const auto* name = host_names_.find(host_id);
+  return name ? *name : "";
+}
+
+void Session::on_local_clocks(const HostReading& reading) {
+  clock_.on_local(reading);
+  report_clock();
+}
+
+void Session::report_clock() {
+  for (std::string& text : clock_.take_notifications()) notify(std::move(text));
+}
+
+std::optional<strobe_msgs::status_t> Session::live_status(HostTime now) const {
+  return status_ && now - status_heard_ <= kSilent ? status_ : std::nullopt;
+}
+
+bool Session::ran_earlier(std::int64_t boot_id) const {
+  return status_ && std::ranges::any_of(status_->earlier,
+                                        [boot_id](const auto& boot) { return boot.boot_id == boot_id; });
+}
+
+/// Overtaken on the way, or of a log that is played back, whose seals are good. Of two boots the later one lists
+/// the other; where their session folders differ, another is believed only when the one heard has fallen silent.
+/// A firing host believes any until one has answered it, which no log can, and that one then for a cut's time, as
+/// a boot's end is its shots' end.
+bool Session::outdated(const strobe_msgs::status_t& status, HostTime now) const {
+  if (!status_) return false;
+  if (status.boot_id == status_->boot_id) return status.mono_ns < status_->mono_ns;
+  if (ran_earlier(status.boot_id)) return true;
+  const bool follows = std::ranges::any_of(
+      status.earlier, [this](const auto& boot) { return boot.boot_id == status_->boot_id; });
+  if (follows) return false;
+  if (host_id_ == 0) return now - status_heard_ <= kSilent;
+  return status_->boot_id == answered_boot_ && now - status_heard_ <= kCutOff;
 }
 
 }  // namespace strobe::host

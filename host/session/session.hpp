@@ -24,14 +24,37 @@
 
 #include "common/shot/recent_map.hpp"
 #include "common/shot/shot_key.hpp"
+#include "common/units/time.hpp"
 #include "host/assembly/assemble.hpp"
 #include "host/clock/device_clock.hpp"
 #include "host/messages/event_ledger.hpp"
-#include "host/session/heard_time.hpp"
 #include "host/session/live_boots.hpp"
-#include "host/session/shot_result.hpp"
+#include "host/session/shot.hpp"
 
 namespace strobe::host {
+
+/// Heartbeats come twice a second; five lost in a row mean that the firmware is gone.
+inline constexpr Duration kSilent = milliseconds{2500};
+
+/// How long the firmware was heard, by its own clock, over all its boots: a time that only messages move, so that a log
+/// played back at any speed moves it alike. Time in which no heartbeat came does not count.
+class HeardTime {
+ public:
+  static constexpr std::size_t kMaxBoots = 64;
+
+  void on_heartbeat(std::int64_t boot_id, MonoTime sent);
+  Duration now() const { return now_; }
+  /// A boot's instant, before or after its newest heartbeat; nullopt if no heartbeat of that boot has come.
+  std::optional<Duration> at(std::int64_t boot_id, MonoTime instant) const;
+
+ private:
+  struct Boot {
+    MonoTime newest;
+    Duration at{};  ///< now_ then
+  };
+  Duration now_{};
+  RecentMap<std::int64_t, Boot> boots_{kMaxBoots};
+};
 
 class Session {
  public:
@@ -67,7 +90,7 @@ class Session {
   /// Adopted shots of which the summary is not to be had end without.
   void give_up_adopted();
 
-  std::vector<ShotResult> take_shot_results() { return std::exchange(shot_results_, {}); }
+  std::vector<Shot> take_shot_results() { return std::exchange(shot_results_, {}); }
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
 
   /// Who a host said to be when it armed; empty: it is not known.
@@ -143,7 +166,7 @@ class Session {
   void set_deadline(PendingShot& waiting) const;
   /// Each shot is finished once.
   void mark_finished(const ShotKey& key, FinishedShot how);
-  void push(ShotResult shot_result) { shot_results_.push_back(std::move(shot_result)); }
+  void push(Shot shot_result) { shot_results_.push_back(std::move(shot_result)); }
   bool ball_came_after_abort(const strobe_msgs::shot_t& shot) const;
   std::optional<strobe_msgs::frame_t> take_early_frame(const ShotKey& key);
   std::map<ShotKey, PendingShot>::iterator waiting_for(const strobe_msgs::frame_t& frame);
@@ -179,7 +202,7 @@ class Session {
   std::string danger_, unconfirmed_;
   HostTime danger_told_;
   std::int64_t arming_told_ = 0;  ///< the host
-  std::vector<ShotResult> shot_results_;
+  std::vector<Shot> shot_results_;
   std::vector<std::string> notifications_;
 };
 

@@ -3,15 +3,19 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
-
 #include <cerrno>
+#include <charconv>
 #include <cstring>
+#include <fstream>
 #include <new>
+#include <optional>
 #include <span>
+#include <string_view>
 #include <system_error>
 
 #include "common/config/files.hpp"
-#include "host/session/data_dictionary.hpp"
+#include "common/data/csv.hpp"
+#include "host/session/shot_table.hpp"
 
 namespace strobe::host {
 namespace {
@@ -107,10 +111,12 @@ void SessionFolder::log(const std::string& channel, std::span<const std::uint8_t
   note(log_.append(channel, message, wall));
 }
 
-void SessionFolder::add(const ShotResult& shot_result, const std::string& utc) try {
-  note(results_.add(shot_result, utc));
+void SessionFolder::add(const Shot& shot, const std::string& utc) try {
+  Shot told = shot;
+  told.utc = utc;
+  note(results_.add(std::move(told)));
 } catch (const std::bad_alloc&) {
-  lost_for_want_of_memory(results_.file().path(), shot_result.shot_id);
+  lost_for_want_of_memory(results_.file().path(), shot.shot_id);
 }
 
 void SessionFolder::add(const strobe_msgs::shot_t& shot) try {
@@ -180,6 +186,80 @@ std::vector<std::string> SessionFolder::unstored() const {
   }
   for (const auto& [path, why] : doubts_) lines.push_back(why);
   return lines;
+}
+
+namespace {
+
+std::string instant(std::int64_t ns) {
+  return ns == strobe_msgs::flash_t::NO_TIME ? std::string() : std::to_string(ns);
+}
+
+std::string_view lamps_word(int lamps) { return lamps == 1 ? "a" : lamps == 2 ? "b" : "ab"; }
+
+}  // namespace
+
+std::string flashes_header() { return csv_header(flashes_columns()); }
+
+namespace {
+
+std::string flash_line(const strobe_msgs::shot_t& shot, const strobe_msgs::flash_t& flash) {
+  return fmt::format("{:x},{},{},{},{},{},{},{},{},{}\n", static_cast<std::uint64_t>(shot.boot_id),
+                     shot.shot_id, flash.flash_index, lamps_word(flash.lamps), flash.commanded_ns,
+                     instant(flash.issue_start_ns), instant(flash.issue_end_ns), instant(flash.observed_a_ns),
+                     instant(flash.observed_b_ns), flash.extra_edges);
+}
+
+}  // namespace
+
+std::string flashes_lines(const strobe_msgs::shot_t& shot) {
+  std::string lines;
+  for (const auto& flash : shot.flashes) lines += flash_line(shot, flash);
+  return lines;
+}
+
+std::set<FlashesCsv::FlashKey> FlashesCsv::flashes_in(std::istream& lines) {
+  std::set<FlashKey> known;
+  for (std::string line; std::getline(lines, line);) {
+    const std::vector<std::string> cells = data::csv_cells(line);
+    const auto shot = cells.size() > 3 ? shot_key_in(cells[0], cells[1]) : std::nullopt;
+    const auto flash = shot ? shot_key_in("0", cells[2]) : std::nullopt;
+    if (flash) known.insert({*shot, flash->shot_id});
+  }
+  return known;
+}
+
+Result<FlashesCsv> FlashesCsv::open(const std::filesystem::path& path) {
+  auto file = CsvFile::open(path, flashes_header());
+  if (!file) return tl::unexpected(file.error());
+  std::ifstream lines(path);
+  auto known = flashes_in(lines);
+  if (!lines.is_open() || lines.bad()) return fail(path.string() + ": cannot be read");
+  return FlashesCsv(std::move(*file), std::move(known));
+}
+
+Result<void> FlashesCsv::add(const strobe_msgs::shot_t& shot) {
+  std::string lines;
+  for (const auto& flash : shot.flashes) {
+    if (known_.insert({{shot.boot_id, shot.shot_id}, flash.flash_index}).second)
+      lines += flash_line(shot, flash);
+  }
+  if (lines.empty()) return {};
+  lines.pop_back();  // the file ends each append itself
+  return file_.append(lines);
+}
+
+bool LoggedTransport::receive(std::chrono::milliseconds max_wait, std::span<const int> descriptors,
+                              const Receiver& receiver) {
+  return transport_.receive(max_wait, descriptors, receiver);
+}
+
+void LoggedTransport::publish(const std::string& channel, Bytes bytes) {
+  log(channel, bytes);
+  transport_.publish(channel, bytes);
+}
+
+void LoggedTransport::log(const std::string& channel, Bytes bytes) {
+  folder_.log(channel, bytes, started_.wall + (clock_.read().mono - started_.mono));
 }
 
 }  // namespace strobe::host

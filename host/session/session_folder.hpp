@@ -1,5 +1,5 @@
 // What a host keeps of a session: DIR/host-<UTC>.lcmlog (every message received, its own readouts), results.csv and
-// flashes.csv with their data dictionaries (data_dictionary.hpp), shots.txt (what a person was told), runs.jsonl
+// flashes.csv with their data dictionaries (shot_table.hpp), shots.txt (what a person was told), runs.jsonl
 // (run_record.hpp), and the rig, plan and calibration files as used. A failing disk stops no call: it is told
 // (take_failures), and what was not written is counted (unstored). Writes files; one thread's.
 #pragma once
@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <iosfwd>
 #include <map>
 #include <memory>
 #include <set>
@@ -14,18 +15,47 @@
 #include <string>
 #include <string_view>
 #include <strobe_msgs/readout_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
 #include <utility>
 #include <vector>
 
 #include "common/result.hpp"
-#include "host/session/event_log.hpp"
-#include "host/session/flashes_csv.hpp"
+#include "common/shot/shot_key.hpp"
+#include "host/clock/machine_clock.hpp"
+#include "host/messages/transport.hpp"
 #include "host/session/record_file.hpp"
-#include "host/session/results_csv.hpp"
 #include "host/session/run_record.hpp"
 #include "host/session/session.hpp"
+#include "host/session/session_logs.hpp"
+#include "host/session/shot_table.hpp"
 
 namespace strobe::host {
+
+std::string flashes_header();
+/// The lines of a shot, each with its end.
+std::string flashes_lines(const strobe_msgs::shot_t& shot);
+
+/// flashes.csv: the record of every flash of every shot, one line each, appended over any number of runs. What was not
+/// there is empty.
+class FlashesCsv {
+ public:
+  /// Fails where CsvFile does. Flashes that the file already has are known.
+  static Result<FlashesCsv> open(const std::filesystem::path& path);
+
+  /// Known flashes change nothing; those that a cut-short write left out are added.
+  Result<void> add(const strobe_msgs::shot_t& shot);
+
+  RecordFile& file() { return file_.file(); }
+  const RecordFile& file() const { return file_.file(); }
+
+ private:
+  using FlashKey = std::pair<ShotKey, std::int32_t>;
+  static std::set<FlashKey> flashes_in(std::istream& lines);
+  FlashesCsv(CsvFile file, std::set<FlashKey> known) : file_(std::move(file)), known_(std::move(known)) {}
+
+  CsvFile file_;
+  std::set<FlashKey> known_;
+};
 
 struct KeptFile {
   std::string_view name;  ///< ends in .toml; empty: no such file
@@ -46,7 +76,7 @@ class SessionFolder {
   /// that a killed host loses none.
   void log(const std::string& channel, std::span<const std::uint8_t> message, WallTime wall);
   /// Appends a line to results.csv.
-  void add(const ShotResult& shot_result, const std::string& utc);
+  void add(const Shot& shot, const std::string& utc);
   /// Appends a shot's flashes to flashes.csv, once.
   void add(const strobe_msgs::shot_t& shot);
   /// Appends lines, each with its end, to shots.txt.
@@ -102,5 +132,30 @@ class SessionFolder {
 std::string utc_for_file(WallTime wall);
 /// "2026-01-31T09:30:00.123Z"
 std::string utc_for_table(WallTime wall);
+
+/// A transport whose messages are kept in a session's log: those received that the loop acts on, and those
+/// published as they are published; with their seals, so that a replay can verify them too. What strangers send
+/// fills no disk. Times in the log are those of the start, gone on by CLOCK_MONOTONIC: setting the wall clock does not
+/// make a replay wait, or believe that the firmware was silent.
+class LoggedTransport final : public Transport {
+ public:
+  /// All references must outlive the object.
+  LoggedTransport(Transport& transport, SessionFolder& folder, Clock& clock)
+      : transport_(transport), folder_(folder), clock_(clock), started_(clock.read()) {}
+
+  bool receive(std::chrono::milliseconds max_wait, std::span<const int> descriptors,
+               const Receiver& receiver) override;
+  std::string sender() const override { return transport_.sender(); }
+  void publish(const std::string& channel, Bytes bytes) override;
+  void keep(const std::string& channel, Bytes bytes) override { log(channel, bytes); }
+
+ private:
+  void log(const std::string& channel, Bytes bytes);
+
+  Transport& transport_;
+  SessionFolder& folder_;
+  Clock& clock_;
+  HostReading started_;
+};
 
 }  // namespace strobe::host

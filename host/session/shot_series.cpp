@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace strobe::host {
@@ -35,7 +36,7 @@ std::string stop_of(const status_t& status) {
   return !status.message.empty() ? status.message : stopped ? "the rig was stopped" : "the rig has a fault";
 }
 
-std::string rejection_in_full(const ShotResult& shot_result) {
+std::string rejection_in_full(const Shot& shot_result) {
   const std::string& flag = *shot_result.rejected;
   return shot_result.problem.empty() ? flag : flag + ": " + shot_result.problem;
 }
@@ -214,6 +215,7 @@ void ShotSeries::send_arm(const status_t& status, HostTime now) {
 }
 
 void ShotSeries::send_fire(const status_t& status, HostTime now) {
+  assert(ours(status) && ending_.empty());
   commands_.push_back(factory_.fire(status.boot_id, status.arm_token, settings_.plan, settings_.notes));
   fired_ = true;
   sent(status, now);
@@ -279,7 +281,7 @@ void ShotSeries::on_stop_event(const event_t& event) {
   if (event.kind == event_t::ESTOP) end_after_shot("the e-stop was pressed");
 }
 
-void ShotSeries::on_shot_result(const ShotResult& shot_result) {
+void ShotSeries::on_shot_result(const Shot& shot_result) {
   if (shot_result.host_id != factory_.host_id() || state_ == State::finished) return;
   if (state_ != State::shooting && state_ != State::firing) return;
   if (shot_result.boot_id != boot_id_ || shot_result.shot_id <= shots_before_) return;
@@ -296,7 +298,7 @@ void ShotSeries::on_shot_result(const ShotResult& shot_result) {
   }
 }
 
-void ShotSeries::on_former_result(const ShotResult& shot_result) {
+void ShotSeries::on_former_result(const Shot& shot_result) {
   if (settings_.whole_session && !shot_result.rejected && !shot_result.dry) ++good_;
 }
 

@@ -45,9 +45,9 @@ class ShotSeries {
 
   void on_event(const strobe_msgs::event_t& event);
   /// The result of a shot; those of other hosts are ignored.
-  void on_shot_result(const ShotResult& shot_result);
+  void on_shot_result(const Shot& shot_result);
   /// The result of a shot that an earlier run fired.
-  void on_former_result(const ShotResult& shot_result);
+  void on_former_result(const Shot& shot_result);
   /// What to do now. status: the newest; absent if the firmware is silent (Session::live_status()).
   void step(const std::optional<strobe_msgs::status_t>& status, HostTime now);
   /// Ends the series with the shot under way; if there is none, at once. why: for a person.

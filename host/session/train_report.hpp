@@ -1,15 +1,39 @@
-// How well the flashes of one shot came: what a dry shot is fired for, and a check of any other.
-// No I/O; thread-safe.
+// How well the flashes of one shot came, what a dry shot is fired for and a check of any other; and what they show of the
+// bench's own delays, as values for the rig file. No I/O; thread-safe; allocates.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <strobe_msgs/shot_t.hpp>
 #include <vector>
 
-#include "host/session/delay_calibration.hpp"
+#include "host/assembly/flash_times.hpp"
 
 namespace strobe::host {
+
+struct CalibratedDelay {
+  int count = 0;
+  double mean = 0.0;
+  double sd = 0.0;       ///< from one to the next
+  double mean_sd = 0.0;  ///< of the mean
+};
+
+/// From the call that sets the line to the flash as its sensor saw it: lamp and sensor together, less the
+/// sensor's delay as configured. Flashes that came doubled, or whose call took too long to tell when the line
+/// changed, are left out; so is a lamp with fewer than two others.
+struct DelayCalibration {
+  std::optional<CalibratedDelay> lamp_a_us;
+  std::optional<CalibratedDelay> lamp_b_us;
+  std::optional<double> opening_lag_ms;  ///< by the shutter's contact
+  std::optional<double> closing_lag_ms;
+};
+
+DelayCalibration delay_calibration(const strobe_msgs::shot_t& shot);
+
+/// Lines of TOML to paste into the rig file, each value with its uncertainty as a comment; none: nothing to
+/// say.
+std::vector<std::string> calibration_lines(const DelayCalibration& calibration);
 
 struct MeanSdMax {
   int count = 0;
@@ -42,7 +66,11 @@ struct TrainReport {
   FlashFaults faults;
 };
 
-TrainReport train_report(const strobe_msgs::shot_t& shot);
+/// times: of the shot's flashes.
+TrainReport train_report(const strobe_msgs::shot_t& shot, const FlashTimes& times);
+inline TrainReport train_report(const strobe_msgs::shot_t& shot) {
+  return train_report(shot, flash_times(shot));
+}
 
 /// Lines of text for a person.
 std::vector<std::string> describe(const TrainReport& report);
@@ -50,7 +78,7 @@ std::vector<std::string> describe(const TrainReport& report);
 /// Whether every planned flash came once, on time and was seen by each fitted sensor.
 bool sound(const TrainReport& report);
 
-/// {"shot_id":…,"dry":true,"planned":…, …} on one line; keys in fixed order, absent counts null.
-std::string train_report_json(const TrainReport& report, int shot_id);
+/// {"shot_id":…,"dry":true,"planned":…, …}; keys in fixed order, absent counts null.
+nlohmann::ordered_json train_report_json(const TrainReport& report, int shot_id);
 
 }  // namespace strobe::host

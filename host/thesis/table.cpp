@@ -10,7 +10,7 @@
 
 #include "common/messages/parsed_json.hpp"
 #include "common/units/angles.hpp"
-#include "host/view/text.hpp"
+#include "host/text/text.hpp"
 
 namespace strobe::thesis {
 

@@ -1,18 +1,16 @@
 #include "host/view/render.hpp"
 
 #include <fmt/format.h>
-
 #include <array>
 #include <cmath>
 #include <utility>
 
 #include "common/reduction/uncertainty.hpp"
 #include "host/config/notes.hpp"
-#include "host/session/rejection.hpp"
-#include "host/view/quantities.hpp"
-#include "host/view/rejected_commands.hpp"
+#include "host/session/shot.hpp"
+#include "host/session/shot_table.hpp"
+#include "host/text/text.hpp"
 #include "host/view/series_view.hpp"
-#include "host/view/table_layout.hpp"
 #include "host/view/timing.hpp"
 
 namespace strobe::host {
@@ -103,7 +101,7 @@ std::string series_cells(const QuantitySummary& s) {
 
 void append(Lines& lines, const Lines& more) { lines.insert(lines.end(), more.begin(), more.end()); }
 
-std::string headline(const ShotResult& shot_result, bool all) {
+std::string headline(const Shot& shot_result, bool all) {
   std::string text = fmt::format("shot {}", shot_result.shot_id);
   if (shot_result.dry) text += "   dry";
   if (shot_result.readout.regime) text += "   " + std::string(name(*shot_result.readout.regime));
@@ -114,7 +112,7 @@ std::string headline(const ShotResult& shot_result, bool all) {
   return text;
 }
 
-Lines remarks(const ShotResult& shot_result, bool all) {
+Lines remarks(const Shot& shot_result, bool all) {
   Lines lines;
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     const auto flag = static_cast<reduction::Flag>(i);
@@ -141,7 +139,7 @@ Lines remarks(const ShotResult& shot_result, bool all) {
   return lines;
 }
 
-bool has_numbers(const ShotResult& shot_result) {
+bool has_numbers(const Shot& shot_result) {
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     if (shot_result.readout.value[static_cast<Quantity>(i)]) return true;
   }
@@ -195,7 +193,7 @@ Lines render_firmware(const ViewModel& model, std::size_t width) {
   return fitted(std::move(lines), width);
 }
 
-Lines render_shot(const ShotResult& shot_result, std::size_t width, bool all) {
+Lines render_shot(const Shot& shot_result, std::size_t width, bool all) {
   Lines lines{headline(shot_result, all)};
   if (shot_result.dry) append(lines, describe(shot_result.train));
   if (has_numbers(shot_result)) {
@@ -234,6 +232,43 @@ Lines render(const ViewModel& model, std::size_t width) {
   for (std::size_t i = first; i < model.notifications.size(); ++i)
     lines.push_back("· " + model.notifications[i]);
   return fitted(std::move(lines), width);
+}
+
+namespace {
+
+constexpr std::size_t kMaxNotifications = 50;
+
+}  // namespace
+
+void ViewModel::add(const Shot& result) {
+  ++shots;
+  if (!result.dry) series.add(result);
+  last = result;
+}
+
+void ViewModel::add_notification(const std::string& text) {
+  notifications.push_back(text);
+  if (notifications.size() > kMaxNotifications) notifications.erase(notifications.begin());
+}
+
+std::optional<std::string> ViewModel::update(Session& session, HostTime now) {
+  status = session.status();
+  danger = session.danger();
+  silent = !session.live_status(now);
+  status_age_s = to_seconds(now - session.status_heard());
+  events_missing = session.ledger().missing();
+  const bool suspect_before = clock.suspect;
+  clock = session.clock().state();
+  if (!clock.suspect || suspect_before) return std::nullopt;
+  return fmt::format("the firmware's clock drifts by {:.0f} ppm against this machine's: not plausible",
+                     *clock.drift_ppm);
+}
+
+std::string why_nothing_can_be_fired(const ViewModel& model) {
+  if (!model.blocking_reason.empty()) return model.blocking_reason;
+  if (!model.status) return "no firmware heard";
+  if (model.silent) return fmt::format("the firmware has been silent for {:.0f} s", model.status_age_s);
+  return model.status->message;
 }
 
 }  // namespace strobe::host

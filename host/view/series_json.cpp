@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/messages/or_null.hpp"
-#include "host/series/budget_lines.hpp"
-#include "host/view/thesis_row.hpp"
+#include "common/messages/parsed_json.hpp"
+#include "host/series/series.hpp"
+#include "host/view/series_view.hpp"
 
 namespace strobe::host {
 namespace {

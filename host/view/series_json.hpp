@@ -9,7 +9,7 @@
 #include "common/data/thesis_data.hpp"
 #include "common/reduction/uncertainty.hpp"
 #include "host/series/compare.hpp"
-#include "host/series/series_summary.hpp"
+#include "host/series/series.hpp"
 
 namespace strobe::host {
 

@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "common/data/thesis_data.hpp"
+#include "common/reduction/readout.hpp"
 #include "common/reduction/uncertainty.hpp"
 #include "host/series/compare.hpp"
-#include "host/series/series_summary.hpp"
+#include "host/series/series.hpp"
 
 namespace strobe::host {
 
@@ -33,5 +34,17 @@ std::vector<std::string> render_comparison(const std::string& first, const std::
 /// Whether draws bear the stated intervals out, a row for each quantity.
 std::vector<std::string> render_monte_carlo(const reduction::MonteCarlo& drawn, const std::string& shot,
                                             std::size_t width, bool all = false);
+
+// The thesis's numbers beside one's own. Pure; thread-safe.
+
+/// "thesis zero 23, Tables 2, 5, 8"
+std::string thesis_title(const thesis::Condition& condition);
+
+/// What the thesis printed of the quantity; absent: nothing.
+std::optional<thesis::MeanSd> thesis_number(const thesis::Condition& condition, reduction::Quantity q);
+
+/// Mean, sd, and how far `mean` is from it in its sds; empty where the thesis has none.
+std::string thesis_cells(const thesis::Condition& condition, reduction::Quantity q,
+                         const std::optional<double>& mean);
 
 }  // namespace strobe::host

@@ -1,17 +1,14 @@
 #include "host/view/timing.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "common/messages/or_null.hpp"
 #include "common/messages/parsed_json.hpp"
-#include "host/view/rejected_commands.hpp"
-#include "host/view/text.hpp"
+#include "host/text/text.hpp"
 
 namespace strobe::host {
 namespace {

@@ -2,7 +2,10 @@
 // thread-safe.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <string>
+#include <string_view>
 #include <strobe_msgs/status_t.hpp>
 #include <vector>
 
@@ -26,5 +29,23 @@ std::vector<std::string> render_timing(const strobe_msgs::status_t& status);
 /// line; keys in fixed order, what is not known null.
 std::string timing_json(const strobe_msgs::status_t& status, const ClockState& clock, int after_shot,
                         const authentication::UnverifiedCounts& unverified);
+
+// The status message's counts of ignored commands, each with its name for programs and its words for a
+// person. Values only.
+
+struct RejectedCommandLabel {
+  std::int64_t strobe_msgs::status_t::*count;
+  std::string_view key;
+  std::string_view words;
+};
+
+inline constexpr std::array kRejectedCommandLabels{
+    RejectedCommandLabel{&strobe_msgs::status_t::rejected_malformed, "malformed", "malformed"},
+    RejectedCommandLabel{&strobe_msgs::status_t::rejected_oversized, "oversized", "oversized"},
+    RejectedCommandLabel{&strobe_msgs::status_t::rejected_forged, "forged", "forged"},
+    RejectedCommandLabel{&strobe_msgs::status_t::rejected_replayed, "replayed", "replayed"},
+    RejectedCommandLabel{&strobe_msgs::status_t::rejected_stale, "stale", "stale"},
+    RejectedCommandLabel{&strobe_msgs::status_t::rejected_other_rig, "other_rig", "for other rigs"},
+};
 
 }  // namespace strobe::host

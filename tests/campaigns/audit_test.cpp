@@ -6,7 +6,7 @@
 #include <strobe_msgs/shot_t.hpp>
 #include <strobe_msgs/status_t.hpp>
 
-#include "common/messages/encode.hpp"
+#include "common/messages/well_formed.hpp"
 #include "firmware/publisher/journal.hpp"
 #include "tests/support/temporary_folder.hpp"
 

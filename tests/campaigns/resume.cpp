@@ -177,7 +177,7 @@ class Session : testing::TemporaryFolder, campaigns::SeriesLab {
     const auto session = host::read_session(host_folder(), {rig_.rig_file(), "", {}});
     if (!session) return verdict_.violate("the session cannot be read back: {}", session.error().message);
     std::map<ShotKey, bool> read;
-    for (const host::StoredShot& shot : session->shots) read[shot.key] = !shot.result.rejected;
+    for (const host::Shot& shot : session->shots) read[shot.key()] = !shot.rejected;
     for (const auto& [key, counted] : counts) {
       if (!read.contains(key)) {
         verdict_.violate("shot {} is in the table and is not read back from the folder", key.shot_id);

@@ -15,8 +15,8 @@
 
 #include "common/authentication/key_file.hpp"
 #include "common/config/files.hpp"
-#include "host/loop/stored_series.hpp"
-#include "host/session/results_csv.hpp"
+#include "host/loop/series_runner.hpp"
+#include "host/session/shot_table.hpp"
 #include "host/session/run_lock.hpp"
 #include "tests/campaigns/scripted_bench.hpp"
 #include "tests/support/error_of.hpp"
@@ -194,7 +194,7 @@ struct Run final : host::HostListener {
   void on_notification(const std::string& text) override {
     if (!text.starts_with("the series ends")) told.emplace_back(bench.now(), text);
   }
-  void on_shot_result(const host::ShotResult& result) override { results.push_back(result.shot_id); }
+  void on_shot_result(const host::Shot& result) override { results.push_back(result.shot_id); }
 
   authentication::Key key = authentication::Key::random();
   ScriptedBench bench;

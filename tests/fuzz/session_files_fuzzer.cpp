@@ -3,14 +3,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <sstream>
 #include <string>
 
-#include "host/archive/photograph_files.hpp"
-#include "host/archive/stored_digitizations.hpp"
+#include "host/archive/session_files.hpp"
+#include "host/archive/redigitize.hpp"
 #include "host/commission/record/record.hpp"
-#include "host/session/results_rows.hpp"
+#include "host/session/shot_table.hpp"
 #include "host/session/run_record.hpp"
-#include "host/session/shot_names.hpp"
 #include "tests/fuzz/require.hpp"
 
 using namespace strobe;
@@ -22,7 +22,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const ShotKey key{77, 3};
   switch (data[0] % 5) {
     case 0: {
-      const host::RunRecords records = host::parse_runs(text);
+      host::RunRecords records;
+      std::istringstream lines(text);
+      for (std::string line; std::getline(lines, line);) records.add(line, 1);
       for (const host::RunRecord& run : records.runs) require(run.host_id != 0);
       for (const std::string& remark : records.remarks) require_one_line(remark, "runs.jsonl:");
       break;

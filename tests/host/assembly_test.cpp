@@ -9,7 +9,7 @@
 #include <string>
 
 #include "host/assembly/assemble.hpp"
-#include "host/session/rejection.hpp"
+#include "host/session/shot.hpp"
 #include "tests/host/synthetic_shot.hpp"
 #include "tests/support/recorded.hpp"
 

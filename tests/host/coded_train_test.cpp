@@ -5,7 +5,7 @@
 #include "host/assembly/assemble.hpp"
 #include "common/reduction/matching/flash_match.hpp"
 #include "host/config/plan_file.hpp"
-#include "host/session/rejection.hpp"
+#include "host/session/shot.hpp"
 #include "host/session/train_report.hpp"
 #include "tests/host/synthetic_shot.hpp"
 #include "tests/support/error_of.hpp"

@@ -6,10 +6,10 @@
 #include <strobe_msgs/readout_t.hpp>
 
 #include "common/messages/channels.hpp"
-#include "common/messages/encode.hpp"
+#include "common/messages/well_formed.hpp"
 #include "host/loop/take_in.hpp"
 #include "host/messages/command_factory.hpp"
-#include "host/session/results_csv.hpp"
+#include "host/session/shot_table.hpp"
 #include "host/session/session_folder.hpp"
 #include "tests/host/synthetic_shot.hpp"
 #include "tests/support/host_bench.hpp"
@@ -21,7 +21,7 @@ namespace {
 
 using namespace strobe;
 using host::FormerRuns;
-using host::ShotResult;
+using host::Shot;
 using messages::Channel;
 using strobe_msgs::event_t;
 using strobe_msgs::status_t;
@@ -45,8 +45,8 @@ event_t event_of(std::int8_t kind, std::int64_t sequence, std::int32_t shot_id =
 }
 
 struct Results final : host::HostListener {
-  std::vector<ShotResult> results;
-  void on_shot_result(const ShotResult& result) override { results.push_back(result); }
+  std::vector<Shot> results;
+  void on_shot_result(const Shot& result) override { results.push_back(result); }
 };
 
 }  // namespace
@@ -126,15 +126,15 @@ TEST(FormerRuns, AreNoneInANewFolder) {
 }
 
 TEST(FormerRuns, RowsOfTheTableTellWhichShotsCount) {
-  ShotResult counts, rejected;
+  Shot counts, rejected;
   counts.boot_id = rejected.boot_id = 0x2a;
   counts.shot_id = 1;
   rejected.shot_id = 2;
   rejected.rejected = "it said \"no\", twice";
-  std::string table = host::results_header() + "\n" + host::results_line(counts, "u", "1", "auto") + "\n" +
-                      host::results_line(rejected, "u", "2", "") + "\n";
+  std::string table = host::results_header() + "\n" + host::results_line(counts) + "\n" +
+                      host::results_line(rejected) + "\n";
   counts.shot_id = 3;
-  table += host::results_line(counts, "u", "1", "auto");  // torn: no end
+  table += host::results_line(counts);  // torn: no end
   write_text(folder / "results.csv", table);
   const auto rows = host::read_result_rows(folder.path()).value();
   LONGS_EQUAL(2, rows.size());
@@ -241,7 +241,7 @@ TEST(FormerRuns, AShotWithoutAPhotographIsNamedWithItsReason) {
 TEST(FormerRuns, AShotInTheTableGetsNoSecondResult) {
   keep_shot();
   keep(Channel::frame, made.frame);
-  ShotResult stored;
+  Shot stored;
   stored.boot_id = kBoot;
   stored.shot_id = 6;
   log->add(stored, "2026-01-31T09:30:00.000Z");
@@ -256,7 +256,7 @@ TEST(FormerRuns, OthersShotsAreNotTakenIn) {
   keep(Channel::shot, made.shot);
   keep(Channel::frame, made.frame);
   run_later();
-  for (const ShotResult& result : results.results) LONGS_EQUAL(kBefore, result.host_id);
+  for (const Shot& result : results.results) LONGS_EQUAL(kBefore, result.host_id);
 }
 
 TEST(FormerRuns, AShotOfWhichNoJournalHasTheSummaryIsTold) {

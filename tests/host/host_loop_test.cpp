@@ -13,9 +13,9 @@
 
 #include "common/authentication/seal.hpp"
 #include "common/messages/channels.hpp"
-#include "common/messages/encode.hpp"
+#include "common/messages/well_formed.hpp"
 #include "host/loop/series_runner.hpp"
-#include "host/session/logged_transport.hpp"
+#include "host/session/session_folder.hpp"
 #include "tests/host/synthetic_shot.hpp"
 #include "tests/support/host_bench.hpp"
 #include "tests/support/sealed_sender.hpp"
@@ -29,7 +29,7 @@ namespace {
 using namespace strobe;
 using host::HostLoop;
 using host::SeriesRunner;
-using host::ShotResult;
+using host::Shot;
 using messages::Channel;
 using strobe_msgs::command_t;
 using strobe_msgs::event_t;
@@ -41,9 +41,9 @@ constexpr std::int64_t kBoot = 77;
 std::string channel(Channel kind) { return messages::channel_name("bench", kind); }
 
 struct Results final : host::HostListener {
-  std::vector<ShotResult> results;
+  std::vector<Shot> results;
   std::vector<std::string> notifications;
-  void on_shot_result(const ShotResult& result) override { results.push_back(result); }
+  void on_shot_result(const Shot& result) override { results.push_back(result); }
   void on_notification(const std::string& text) override { notifications.push_back(text); }
 };
 
@@ -305,7 +305,7 @@ TEST(HostLoop, ASeriesIsArmedFiredAndItsLostEventsFetched) {
   runner.step();
   LONGS_EQUAL(command_t::FIRE, last_command().kind);
   LONGS_EQUAL(9, last_command().arm_token);
-  ShotResult result;
+  Shot result;
   result.boot_id = kBoot;
   result.host_id = kHost;
   result.shot_id = 1;

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "common/messages/encode.hpp"
 #include "common/messages/well_formed.hpp"
 #include "tests/host/synthetic_shot.hpp"
 

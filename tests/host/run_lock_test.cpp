@@ -157,7 +157,7 @@ TEST(RunLock, NobodysLockOnTheSessionsFilesHoldsUpWhatIsWritten) {
   shot.flashes.resize(1);
   (*folder)->add(shot);
   (*folder)->add_text("a line\n");
-  (*folder)->add(host::ShotResult{}, "2026-01-31T09:30:00.000Z");
+  (*folder)->add(host::Shot{}, "2026-01-31T09:30:00.000Z");
   (*folder)->add(host::RunRecord{});
   (*folder)->log("CHANNEL", {}, kNow);
   (*folder)->tend();

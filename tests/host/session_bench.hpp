@@ -10,7 +10,7 @@
 namespace strobe::host_test {
 
 using host::Session;
-using host::ShotResult;
+using host::Shot;
 using reduction::Flag;
 using strobe_msgs::event_t;
 using strobe_msgs::status_t;
@@ -51,7 +51,7 @@ struct Bench {
   }
   void shot() { session.on_shot(made.shot, local); }
   void frame() { session.on_frame(made.frame, local); }
-  std::vector<ShotResult> shot_results() { return session.take_shot_results(); }
+  std::vector<Shot> shot_results() { return session.take_shot_results(); }
 };
 
 inline event_t ended(std::int32_t shot_id, std::int64_t sequence) {

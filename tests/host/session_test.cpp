@@ -2,9 +2,13 @@
 #include <string>
 
 #include "common/messages/json_conversions.hpp"
+#include "common/shot/recent_map.hpp"
+#include "host/loop/take_in.hpp"
 #include "tests/host/session_bench.hpp"
-
+#include "tests/host/synthetic_shot.hpp"
 #include "tests/support/string_from.hpp"
+
+#include <CppUTest/TestHarness.h>
 
 using namespace strobe;
 using namespace strobe::host_test;
@@ -341,4 +345,100 @@ TEST(SessionOfMessages, AtTheEndOfALogWaitingShotsEndWithoutAPhotograph) {
   bench.shot();
   bench.session.on_end();
   CHECK_TRUE(bench.shot_results().at(0).readout.flags.has(Flag::no_photograph));
+}
+
+namespace {
+
+using namespace strobe;
+using strobe::host::GapRecovery;
+using strobe::host::Session;
+
+constexpr Duration kSecond = std::chrono::seconds{1};
+
+}  // namespace
+
+TEST_GROUP(GapRecoveryOfAHost) {
+  Session session{{}, 5};
+  HostTime start{100 * kSecond};
+  GapRecovery recovery{start};
+
+  void status(std::int64_t last_sequence, HostTime now) {
+    strobe_msgs::status_t message{};
+    message.boot_id = 7;
+    message.last_sequence = last_sequence;
+    session.on_status(message, now);
+  }
+  void event(std::int64_t sequence, HostTime now) {
+    strobe_msgs::event_t message{};
+    message.boot_id = 7;
+    message.sequence = sequence;
+    session.on_event(message, now);
+  }
+  bool finished(double after_s) { return recovery.finished(session, start + from_seconds(after_s)); }
+};
+
+TEST(GapRecoveryOfAHost, WaitsForAStatusThatWasSentAfterItsStart) {
+  event(1, start - kSecond);
+  status(1, start - kSecond);
+  CHECK_FALSE(finished(0.3));
+  status(1, start + kSecond / 2);
+  CHECK_TRUE(finished(0.6));
+}
+
+TEST(GapRecoveryOfAHost, EndsAtOnceWhenTheFirmwareIsSilentAndNothingIsMissing) {
+  event(1, start - kSecond);
+  CHECK_TRUE(finished(0.0));  // and never was heard: nobody can be asked
+  status(1, start - 3 * kSecond);
+  CHECK_TRUE(finished(0.0));
+}
+
+TEST(GapRecoveryOfAHost, OutlastsANetworkThatIsCutForTenSeconds) {
+  status(2, start - kSecond);
+  event(1, start - kSecond);
+  CHECK_FALSE(finished(0.0));
+  CHECK_FALSE(finished(11.0));
+  event(2, start + 12 * kSecond);
+  status(2, start + 12 * kSecond);
+  CHECK_TRUE(finished(12.1));
+}
+
+TEST(GapRecoveryOfAHost, GivesUpWhenNothingNewComesAndAfterAMinuteWhateverComes) {
+  status(1000, start);
+  CHECK_FALSE(finished(0.0));
+  CHECK_TRUE(finished(15.1));
+  GapRecovery slow(start);
+  bool ended = false;
+  for (int second = 0; second < 60; ++second) {
+    event(second + 1, start + second * kSecond);
+    ended = ended || slow.finished(session, start + second * kSecond);
+  }
+  CHECK_FALSE(ended);
+  CHECK_TRUE(slow.finished(session, start + 61 * kSecond));
+}
+
+using strobe::RecentMap;
+
+TEST_GROUP(RecentMap) { RecentMap<int, std::string> map{3}; };
+
+TEST(RecentMap, ForgetsWhatWasEnteredFirstNotTheSmallestKey) {
+  for (const int key : {9, 5, 7, 1}) map.put(key, std::to_string(key));
+  CHECK(map.find(9) == nullptr);
+  for (const int key : {5, 7, 1}) STRCMP_EQUAL(std::to_string(key).c_str(), map.find(key)->c_str());
+}
+
+TEST(RecentMap, KeepsTheAgeOfWhatIsReplaced) {
+  for (const int key : {1, 2, 3}) map.put(key, "old");
+  map.put(1, "new");
+  STRCMP_EQUAL("new", map.find(1)->c_str());
+  map.put(4, "new");
+  CHECK(map.find(1) == nullptr);
+  LONGS_EQUAL(3, map.all().size());
+}
+
+TEST(RecentMap, HasRoomAgainForWhatWasTaken) {
+  for (const int key : {1, 2, 3}) map.put(key, "");
+  CHECK_TRUE(map.take(2).has_value());
+  CHECK_FALSE(map.take(2).has_value());
+  map.put(4, "");
+  for (const int key : {1, 3, 4}) CHECK(map.find(key) != nullptr);
 }

@@ -6,8 +6,8 @@
 
 #include "common/reduction/mixture.hpp"
 #include "host/assembly/assemble.hpp"
-#include "host/series/budget_lines.hpp"
-#include "host/session/rejection.hpp"
+#include "host/series/series.hpp"
+#include "host/session/shot.hpp"
 #include "tests/host/synthetic_shot.hpp"
 
 #include <CppUTest/TestHarness.h>

@@ -89,7 +89,7 @@ struct Play {
   }
   void answer() {
     if (firmware.fired == answered) return;
-    ShotResult shot_result;
+    Shot shot_result;
     shot_result.boot_id = firmware.status.boot_id;
     shot_result.host_id = kHost;
     shot_result.shot_id = firmware.status.last_shot_id;
@@ -343,7 +343,7 @@ TEST(ShotSeriesOfAHost, FiresWhatTheSessionLacks) {
   settings.counted = 3;
   settings.whole_session = true;
   Play play(settings);
-  ShotResult former;
+  Shot former;
   former.host_id = 999;
   play.series.on_former_result(former);
   former.rejected = "the shot was aborted";
@@ -449,7 +449,7 @@ TEST(ShotSeriesOfAHost, AShotThatSeemedRefusedAndWasNotIsWaitedFor) {
 TEST(ShotSeriesOfAHost, OtherHostsShotsDoNotCount) {
   Play play(series(1));
   for (int i = 0; i < 8; ++i) play.turn();
-  ShotResult foreign;
+  Shot foreign;
   foreign.boot_id = kBoot;
   foreign.host_id = 999;
   foreign.shot_id = 4;
@@ -460,7 +460,7 @@ TEST(ShotSeriesOfAHost, OtherHostsShotsDoNotCount) {
 TEST(ShotSeriesOfAHost, AShotOfAnEarlierNumberIsNotTakenForTheNewOne) {
   Play play(series(1));
   for (int i = 0; i < 8; ++i) play.turn();
-  ShotResult stale;
+  Shot stale;
   stale.boot_id = kBoot;
   stale.host_id = kHost;
   stale.shot_id = 3;  // was last before this one

@@ -2,9 +2,9 @@
 #include <limits>
 #include <string>
 
-#include "host/session/rejection.hpp"
+#include "host/session/shot.hpp"
 #include "host/view/render.hpp"
-#include "host/view/text.hpp"
+#include "host/text/text.hpp"
 #include "host/view/timing.hpp"
 #include "tests/host/rendered_rows.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 using namespace strobe;
 using host::render;
-using host::ShotResult;
+using host::Shot;
 using host::ViewModel;
 using reduction::Flag;
 using reduction::Quantity;
@@ -26,8 +26,8 @@ std::string joined(const std::vector<std::string>& lines) {
   return text;
 }
 
-ShotResult example(int id = 4, double vx = 15.6234) {
-  ShotResult shot_result;
+Shot example(int id = 4, double vx = 15.6234) {
+  Shot shot_result;
   shot_result.shot_id = id;
   shot_result.readout.shot_id = id;
   shot_result.readout.value[Quantity::vx_td_mps] = vx;
@@ -57,8 +57,8 @@ strobe_msgs::status_t idle() {
 }
 
 /// As the model has it, with a scale error of 0.02 m/s and an expanded uncertainty to be seen.
-host::SeriesShot shot_of(const ShotResult& result) {
-  host::SeriesShot shot;
+host::Shot shot_of(const Shot& result) {
+  host::Shot shot;
   shot.name = std::to_string(result.shot_id);
   shot.readout = result.readout;
   reduction::BudgetSource scale{.source = reduction::Source::scale, .input_sd = 0.1, .input_unit = "%"};
@@ -219,7 +219,7 @@ TEST(ScreenLines, TellWhichFlashesOfACodedTrainShowTheBall) {
 }
 
 TEST(ScreenLines, ARejectedShotWithoutNumbersSaysWhy) {
-  m.last = ShotResult{};
+  m.last = Shot{};
   m.last->shot_id = 9;
   m.last->readout.flags.set(Flag::no_photograph);
   m.last->rejected = "the photograph did not come in time";
@@ -262,14 +262,14 @@ TEST(ScreenLines, ASeriesWithoutShotsIsASentence) {
   host::Series series;
   CHECK_EQUAL(1U, host::render_series(series, std::nullopt, 120).size());
   CHECK_EQUAL("series: no shot counted yet", host::render_series(series, std::nullopt, 120).front());
-  host::SeriesShot shot = shot_of(example());
+  host::Shot shot = shot_of(example());
   shot.rejected = "no image of the ball";
   series.add(shot);
   CHECK_EQUAL("series: no shot counted: 1 rejected", host::render_series(series, std::nullopt, 120).front());
 }
 
 TEST(ScreenLines, ADryShotShowsItsTrain) {
-  m.last = ShotResult{};
+  m.last = Shot{};
   m.last->shot_id = 2;
   m.last->dry = true;
   m.last->train.planned = m.last->train.issued = 166;
@@ -303,7 +303,7 @@ TEST_GROUP(ViewModel){};
 
 TEST(ViewModel, CountsEveryShotAndAddsToTheSeriesOnlyThoseThatCount) {
   ViewModel m;
-  host::ShotResult result;
+  host::Shot result;
   m.add(result);
   result.dry = true;
   m.add(result);

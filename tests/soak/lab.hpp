@@ -154,7 +154,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void trace_command(const std::vector<std::uint8_t>& sealed);
   void tablet_operator_turn();
   void note_shot(std::span<const std::uint8_t> bytes);
-  void on_shot_result(const host::ShotResult& shot_result);
+  void on_shot_result(const host::Shot& shot_result);
   bool over();
   void trace_lab_setup();
   void settle();

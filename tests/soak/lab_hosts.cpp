@@ -32,7 +32,7 @@ void Lab::start(HostMachine& machine, const HostSettings& settings) {
     if (old_commands_.size() > kOldCommands) old_commands_.pop_front();
   };
   const bool counts = &machine == &host_;
-  const auto done = [this, counts](const host::ShotResult& result) {
+  const auto done = [this, counts](const host::Shot& result) {
     if (counts) on_shot_result(result);
   };
   end(machine);

@@ -7,7 +7,7 @@
 
 #include "common/authentication/seal.hpp"
 #include "common/messages/channels.hpp"
-#include "host/session/rejection.hpp"
+#include "host/session/shot.hpp"
 #include "sim/rig/truth.hpp"
 #include "tests/soak/lab_parts.hpp"
 
@@ -284,7 +284,7 @@ void Lab::note_shot(std::span<const std::uint8_t> bytes) {
   trace("shot {} is published{}{}", shot.shot_id, shot.aborted ? ", aborted: " : "", shot.abort_reason);
 }
 
-void Lab::on_shot_result(const host::ShotResult& shot_result) {
+void Lab::on_shot_result(const host::Shot& shot_result) {
   if (shot_result.boot_id == stranger_.old_boot()) return;  // shown, and nobody's of this day
   if (shot_result.host_id == host_.process->id() && !shot_result.rejected) ++good_;
   const ShotKey key{shot_result.boot_id, shot_result.shot_id};

@@ -29,7 +29,7 @@ using HostLog = std::vector<std::pair<std::int64_t, std::int64_t>>;  ///< boot, 
 class VirtualHost final : host::Transport, host::Clock, host::HostListener {
  public:
   using Send = std::function<void(Bytes sealed_command)>;
-  using Done = std::function<void(const host::ShotResult&)>;
+  using Done = std::function<void(const host::Shot&)>;
 
   VirtualHost(const HostSettings& settings, std::int64_t host_id, const authentication::Key& key,
               HostLog& log, Send send, Done done, const host::HostReading& now);
@@ -63,7 +63,7 @@ class VirtualHost final : host::Transport, host::Clock, host::HostListener {
   void publish(const std::string& channel, Bytes bytes) override;
   host::HostReading read() override { return now_; }
 
-  void on_shot_result(const host::ShotResult& result) override { done_(result); }
+  void on_shot_result(const host::Shot& result) override { done_(result); }
   void on_event(const strobe_msgs::event_t& event) override;
   void on_notification(const std::string& text) override { notifications_.push_back(text); }
 

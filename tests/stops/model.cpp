@@ -249,7 +249,7 @@ void Model::event(std::int8_t kind) {
 }
 
 void Model::result(bool good) {
-  host::ShotResult result;
+  host::Shot result;
   result.boot_id = std::get<5>(series_->progress());
   result.host_id = kHostA;
   result.shot_id = series_->shot_number();

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "firmware/core/interlock.hpp"
-#include "host/loop/disarm_request.hpp"
+#include "host/loop/host_loop.hpp"
 #include "host/session/shot_series.hpp"
 
 namespace strobe::stops {

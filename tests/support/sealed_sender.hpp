@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/authentication/packet_seal.hpp"
-#include "common/messages/encode.hpp"
+#include "common/messages/well_formed.hpp"
 
 namespace strobe::testing {
 

@@ -17,7 +17,6 @@
 
 #include "common/config/files.hpp"
 #include "common/config/toml_bounds.hpp"
-#include "common/messages/or_null.hpp"
 #include "common/messages/parsed_json.hpp"
 
 namespace strobe::commission {

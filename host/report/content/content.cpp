@@ -13,8 +13,8 @@ namespace strobe::lab_report {
 
 namespace {
 
+using host::Shot;
 using host::StoredSession;
-using host::StoredShot;
 using reduction::Record;
 
 std::string note(const Record& record, const std::string& key) {
@@ -31,9 +31,9 @@ bool has_a_number(const reduction::Readout& readout) {
 std::vector<ReportShot> shots_of(const std::vector<StoredSession>& sessions) {
   std::vector<ReportShot> shots;
   for (const StoredSession& session : sessions) {
-    for (const StoredShot& shot : session.shots) {
+    for (const Shot& shot : session.shots) {
       const std::string name = sessions.size() == 1 ? shot.name : folder_name(session) + ":" + shot.name;
-      const bool counts = !shot.result.rejected && !shot.result.dry && has_a_number(shot.result.readout);
+      const bool counts = !shot.rejected && !shot.dry && has_a_number(shot.readout);
       shots.push_back({&session, &shot, name, counts});
     }
   }
@@ -64,7 +64,7 @@ void finish(ConditionGroup& group, const ReportInput& input) {
   group.summary.rejected = static_cast<int>(group.shots.size() - group.counted.size());
   std::vector<ReportShot> conforming;
   for (const ReportShot& each : group.counted)
-    if (each.shot->result.readout.court_pace_conforming) conforming.push_back(each);
+    if (each.shot->readout.court_pace_conforming) conforming.push_back(each);
   if (!conforming.empty()) group.court_pace = input.summarize(group.key, conforming);
   if (input.thesis) group.thesis = input.thesis->used.condition(group.key);
 }
@@ -73,7 +73,7 @@ std::vector<ConditionGroup> conditions_of(const std::vector<ReportShot>& shots, 
   using Order = std::tuple<int, std::string, double, std::string>;
   std::map<Order, ConditionGroup> groups;
   for (const ReportShot& each : shots) {
-    const Record& record = each.shot->result.readout.record;
+    const Record& record = each.shot->readout.record;
     const std::string spin = note(record, "spin"), angle = note(record, "angle_deg");
     const double number =
         host::note_number(record, "angle_deg").value_or(std::numeric_limits<double>::infinity());

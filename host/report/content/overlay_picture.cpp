@@ -16,7 +16,7 @@ namespace {
 constexpr int kJpegQuality = 78;
 
 /// Without times: there is room for the images' numbers alone.
-Result<reduction::Frame> frame_of(const host::StoredShot& shot) {
+Result<reduction::Frame> frame_of(const host::Shot& shot) {
   auto frame = messages::frame_from_lcm(shot.digitizations.back().frame);
   if (!frame) return frame;
   for (auto& image : frame->images) image.time_s = std::numeric_limits<double>::quiet_NaN();
@@ -25,7 +25,7 @@ Result<reduction::Frame> frame_of(const host::StoredShot& shot) {
 
 }  // namespace
 
-Result<Picture> overlay_picture(const host::StoredSession& session, const host::StoredShot& shot,
+Result<Picture> overlay_picture(const host::StoredSession& session, const host::Shot& shot,
                                 int longest_side_px) {
   if (!shot.photograph) return fail("No photograph is kept.");
   const auto path = shot.photograph->is_absolute() ? *shot.photograph : session.folder / *shot.photograph;

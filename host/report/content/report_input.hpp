@@ -6,18 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "host/archive/stored_session.hpp"
+#include "host/archive/read_session.hpp"
 #include "host/config/notes.hpp"
 #include "host/report/content/conformity.hpp"
-#include "host/series/series_summary.hpp"
+#include "host/series/series.hpp"
 #include "host/thesis/thesis_inputs.hpp"
 
 namespace strobe::lab_report {
 
 struct ReportShot {
   const host::StoredSession* session = nullptr;
-  const host::StoredShot* shot = nullptr;
-  std::string name;  ///< StoredShot::name; of several sessions, after the folder's
+  const host::Shot* shot = nullptr;
+  std::string name;  ///< Shot::name; of several sessions, after the folder's
   bool counts = false;
 };
 

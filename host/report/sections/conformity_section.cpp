@@ -5,7 +5,7 @@
 
 #include "host/report/sections/parts.hpp"
 #include "host/report/sections/sections.hpp"
-#include "host/view/text.hpp"
+#include "host/text/text.hpp"
 
 namespace strobe::lab_report {
 

@@ -70,7 +70,7 @@ ContactImages images_of(const ConditionGroup& group, double total_rotation_rad) 
   out.set.name = group.key;
   out.set.rows.push_back({0.0, 0.0, 0.0, 0.0});
   for (const ReportShot& each : group.counted) {
-    const auto& readout = each.shot->result.readout;
+    const auto& readout = each.shot->readout;
     const auto dwell_ms = readout.value[Quantity::dwell_time_ms],
                distance_cm = readout.value[Quantity::dwell_distance_cm];
     if (!each.shot->summary || each.shot->digitizations.empty() || !dwell_ms || !distance_cm ||

@@ -61,7 +61,7 @@ Panel run_panel(const Content& content, const ConditionGroup& group, Quantity q,
                 .colour = "#999999",
                 .symbol = open_symbol(symbol_of(group.spin))};
   for (std::size_t i = 0; i < group.shots.size(); ++i) {
-    const auto& readout = group.shots[i].shot->result.readout;
+    const auto& readout = group.shots[i].shot->readout;
     if (!readout.value[q]) continue;
     const double y = *readout.value[q], sd = readout.sd[q].value_or(figures::kNoValue);
     (group.shots[i].counts ? counted : others)
@@ -112,7 +112,7 @@ Panel scatter_panel(const Content& content, Quantity x, Quantity y, bool legend)
       const bool known = group.spin == "zero" || group.spin == "top" || group.spin == "back";
       if (known ? group.spin != spin : *spin != '\0') continue;
       for (const ReportShot& each : group.counted) {
-        const auto& value = each.shot->result.readout.value;
+        const auto& value = each.shot->readout.value;
         if (value[x] && value[y]) own.points.push_back({*value[x], *value[y]});
       }
     }

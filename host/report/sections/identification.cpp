@@ -15,7 +15,7 @@ std::string recorded(const Content& content, const std::string& key) {
   std::set<std::string> seen;
   std::string out;
   for (const ReportShot& each : content.shots) {
-    const auto& record = each.shot->result.readout.record;
+    const auto& record = each.shot->readout.record;
     const auto found = record.find(key);
     if (found == record.end() || found->second.empty() || !seen.insert(found->second).second) continue;
     out += (out.empty() ? "" : "; ") + found->second;

@@ -13,7 +13,7 @@ namespace {
 std::string flights(const Content& content) {
   std::map<std::string, int> methods;
   for (const ReportShot& each : content.shots)
-    if (each.counts) ++methods[each.shot->result.readout.method];
+    if (each.counts) ++methods[each.shot->readout.method];
   std::string out;
   for (const auto& [method, count] : methods)
     out += fmt::format("{}{} ({} shots)", out.empty() ? "" : ", ", method, count);

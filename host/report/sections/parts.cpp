@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "host/view/text.hpp"
+#include "host/text/text.hpp"
 
 namespace strobe::lab_report {
 

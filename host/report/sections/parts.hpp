@@ -7,7 +7,7 @@
 
 #include "host/report/content/content.hpp"
 #include "host/report/model/model.hpp"
-#include "host/view/quantities.hpp"
+#include "host/session/shot_table.hpp"
 
 namespace strobe::lab_report {
 

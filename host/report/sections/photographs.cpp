@@ -4,8 +4,8 @@
 #include "host/report/content/overlay_picture.hpp"
 #include "host/report/sections/parts.hpp"
 #include "host/report/sections/sections.hpp"
-#include "host/session/rejection.hpp"
-#include "host/view/text.hpp"
+#include "host/session/shot.hpp"
+#include "host/text/text.hpp"
 
 namespace strobe::lab_report {
 
@@ -31,7 +31,7 @@ std::vector<Fact> numbers(const reduction::Readout& readout) {
 
 std::vector<std::string> remarks(const ReportShot& each) {
   std::vector<std::string> out;
-  const auto& result = each.shot->result;
+  const auto& result = *each.shot;
   if (result.rejected) out.push_back("Does not count: " + *result.rejected + ".");
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     const auto flag = static_cast<reduction::Flag>(i);
@@ -57,7 +57,7 @@ ShotCard card(const ReportShot& each, const std::string& condition) {
   } else {
     out.no_picture = picture.error().message;
   }
-  if (out.picture) out.facts = numbers(each.shot->result.readout);
+  if (out.picture) out.facts = numbers(each.shot->readout);
   out.remarks = remarks(each);
   return out;
 }

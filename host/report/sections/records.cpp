@@ -41,7 +41,7 @@ Table files_of(const host::StoredSession& session, const std::string& key) {
   if (const fs::path record = session.folder / commission::kRecordInSession; fs::exists(record, error))
     add_file(table, session.folder, record, "record of commissioning");
   std::set<fs::path> known;
-  for (const host::StoredShot& shot : session.shots) {
+  for (const host::Shot& shot : session.shots) {
     const auto add_once = [&](const fs::path& file, const char* what) {
       const fs::path path = file.is_absolute() ? file : session.folder / file;
       if (!file.empty() && known.insert(path).second) add_file(table, session.folder, path, what);

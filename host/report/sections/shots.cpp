@@ -3,7 +3,7 @@
 
 #include "host/report/sections/parts.hpp"
 #include "host/report/sections/sections.hpp"
-#include "host/session/rejection.hpp"
+#include "host/session/shot.hpp"
 
 namespace strobe::lab_report {
 
@@ -42,7 +42,7 @@ Table numbers_table(const Content& content, const ConditionGroup& group) {
         {std::string(reduction::name(q)), std::string(label.words), std::string(label.unit)});
   }
   for (const ReportShot& each : group.shots) {
-    const auto& readout = each.shot->result.readout;
+    const auto& readout = each.shot->readout;
     Row row{{text_cell(each.name), text_cell(each.shot->utc), text_cell(each.counts ? "yes" : "no")},
             false,
             !each.counts};
@@ -62,7 +62,7 @@ Table rejected_table(const Content& content) {
   for (const ConditionGroup& group : content.conditions)
     for (const ReportShot& each : group.shots) {
       if (each.counts) continue;
-      const auto& result = each.shot->result;
+      const auto& result = *each.shot;
       std::string why = result.rejected.value_or(result.dry ? "a dry shot, without photograph" : "");
       if (why.empty()) why = each.shot->summary ? "no number could be read" : "strobed ended during the shot";
       if (!result.problem.empty() && result.problem != why) why += "; " + result.problem;
@@ -81,7 +81,7 @@ Table flags_table(const Content& content) {
     const auto flag = static_cast<reduction::Flag>(i);
     std::string names;
     for (const ReportShot& each : content.shots)
-      if (each.shot->result.readout.flags.has(flag)) names += (names.empty() ? "" : ", ") + each.name;
+      if (each.shot->readout.flags.has(flag)) names += (names.empty() ? "" : ", ") + each.name;
     if (!names.empty())
       table.rows.push_back({{text_cell(std::string(reduction::name(flag))),
                              text_cell(std::string(host::words(flag))), text_cell(names)}});

@@ -38,7 +38,7 @@ Section timing(const Content& content) {
                "sensor saw it."}};
   for (const ReportShot& each : content.shots) {
     if (!each.shot->summary) continue;
-    const host::TrainReport& train = each.shot->result.train;
+    const host::TrainReport& train = each.shot->train;
     table.rows.push_back(
         {{text_cell(each.name), count_cell(train.planned), count_cell(train.issued), seen(train.seen_by_a),
           seen(train.seen_by_b), count_cell(train.late), count_cell(train.doubled),

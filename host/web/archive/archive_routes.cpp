@@ -103,7 +103,7 @@ Response show_series(Archive& archive, const Request& request) {
   const auto shots = archive.sessions.series_shots(id);
   if (!shots) return unanswered_response(shots.error());
   host::Series series;
-  for (const host::SeriesShot& shot : *shots) {
+  for (const host::Shot& shot : *shots) {
     const auto& record = shot.readout.record;
     const auto spin = record.find("spin");
     if (chosen.has(spin == record.end() ? "" : spin->second, host::note_number(record, "angle_deg")))
@@ -118,7 +118,7 @@ Response compare_sessions(Archive& archive, const Request& request) {
   for (std::size_t i = 0; i < ids.size(); ++i) {
     const auto shots = archive.sessions.series_shots(ids[i]);
     if (!shots) return unanswered_response(shots.error());
-    for (host::SeriesShot shot : *shots) {
+    for (host::Shot shot : *shots) {
       shot.session = ids[i];
       series[i].add(shot);
     }
@@ -181,7 +181,7 @@ void add_shot_route(Router& router, const std::string& method, const std::string
 }
 
 std::optional<PhotographPlace> photograph_place(Archive& archive, const std::string& session,
-                                                const host::StoredShot& shot) {
+                                                const host::Shot& shot) {
   if (!shot.photograph) return std::nullopt;
   const auto folder = archive.sessions.folder(session);
   if (!folder) return std::nullopt;

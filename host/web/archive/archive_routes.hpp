@@ -33,7 +33,7 @@ Answered<nlohmann::ordered_json> shot_detail(Archive& archive, const std::string
                                              const ShotOfSession& shot);
 /// Where its photograph is to be had; absent: it cannot be shown.
 std::optional<PhotographPlace> photograph_place(Archive& archive, const std::string& session,
-                                                const host::StoredShot& shot);
+                                                const host::Shot& shot);
 Response unanswered_response(const Unanswered& why);
 
 }  // namespace strobe::web

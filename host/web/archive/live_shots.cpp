@@ -2,60 +2,39 @@
 
 #include <algorithm>
 
-#include "host/archive/photograph_files.hpp"
+#include "host/archive/session_files.hpp"
 
 namespace strobe::web {
 
-LiveShots::Heard& LiveShots::heard_of(const ShotKey& key) {
-  const auto found = std::ranges::find(newest_, key, &Heard::key);
-  if (found != newest_.end()) return *found;
+void LiveShots::on_shot_result(const host::Shot& shot) {
+  if (shot.dry || !own_(shot.host_id)) return;
+  host::Shot copy = shot;
+  const std::lock_guard lock(mutex_);
+  std::erase_if(newest_, [&](const host::Shot& known) { return known.key() == copy.key(); });
   if (newest_.size() == kMaxKept) newest_.pop_front();
-  return newest_.emplace_back(Heard{key, {}, {}});
+  newest_.push_back(std::move(copy));
 }
 
-void LiveShots::on_shot(const strobe_msgs::shot_t& shot) {
-  if (shot.plan.dry || !own_(shot.host_id)) return;
+std::optional<host::Shot> LiveShots::find(const ShotKey& key) const {
+  std::optional<host::Shot> shot;
   {
     const std::lock_guard lock(mutex_);
-    if (heard_of({shot.boot_id, shot.shot_id}).summary) return;  // it comes more than once
+    const auto found = std::ranges::find(newest_, key, &host::Shot::key);
+    if (found == newest_.end()) return std::nullopt;
+    shot = *found;
   }
-  auto copy = std::optional(shot);
-  const std::lock_guard lock(mutex_);
-  heard_of({shot.boot_id, shot.shot_id}).summary.swap(copy);
-}
-
-void LiveShots::on_shot_result(const host::ShotResult& result) {
-  if (result.dry || !own_(result.host_id)) return;
-  auto copy = std::optional(result);
-  const std::lock_guard lock(mutex_);
-  heard_of({result.boot_id, result.shot_id}).result.swap(copy);
-}
-
-std::optional<host::StoredShot> LiveShots::find(const ShotKey& key) const {
-  host::StoredShot shot;
-  {
-    const std::lock_guard lock(mutex_);
-    const auto found = std::ranges::find(newest_, key, &Heard::key);
-    if (found == newest_.end() || !found->result) return std::nullopt;
-    shot.summary = found->summary;
-    shot.result = *found->result;
-  }
-  shot.key = key;
-  shot.rig = rig_;
-  shot.result.assembled.reset();
-  shot.result.budget.reset();
-  if (!shot.result.frame) return shot;
-  shot.digitizations.push_back({*shot.result.frame, shot.result.frame->source == "hand", "", "", {}, {}});
-  shot.photograph = host::named_photograph(folder_, shot.result.frame->photograph);
+  shot->rig = rig_;
+  shot->budget = {};
+  if (const auto* frame = shot->frame())
+    shot->photograph = host::named_photograph(folder_, frame->photograph);
   return shot;
 }
 
 std::optional<ShotKey> LiveShots::newest_numbered(int shot_id) const {
   const std::lock_guard lock(mutex_);
-  const auto found = std::find_if(newest_.rbegin(), newest_.rend(), [shot_id](const Heard& heard) {
-    return heard.key.shot_id == shot_id && heard.result;
-  });
-  return found == newest_.rend() ? std::nullopt : std::optional(found->key);
+  const auto found = std::find_if(newest_.rbegin(), newest_.rend(),
+                                  [shot_id](const host::Shot& shot) { return shot.shot_id == shot_id; });
+  return found == newest_.rend() ? std::nullopt : std::optional(found->key());
 }
 
 }  // namespace strobe::web

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <optional>
 
-#include "host/archive/stored_session.hpp"
+#include "host/archive/read_session.hpp"
 #include "host/loop/host_loop.hpp"
 
 namespace strobe::web {
@@ -20,30 +20,22 @@ class LiveShots final : public host::HostListener {
             std::function<bool(std::int64_t host_id)> own)
       : folder_(std::move(folder)), rig_(std::move(rig)), own_(std::move(own)) {}
 
-  void on_shot(const strobe_msgs::shot_t& shot) override;
-  void on_shot_result(const host::ShotResult& result) override;
+  void on_shot_result(const host::Shot& shot) override;
 
   const std::filesystem::path& folder() const { return folder_; }
   /// As a reading of the folder would have it, but for name and time, which are the caller's. Absent: not among the newest.
-  std::optional<host::StoredShot> find(const ShotKey& key) const;
+  std::optional<host::Shot> find(const ShotKey& key) const;
   /// The newest of the number, where no row tells the shot's start.
   std::optional<ShotKey> newest_numbered(int shot_id) const;
 
   static constexpr std::size_t kMaxKept = 32;
 
  private:
-  struct Heard {
-    ShotKey key;
-    std::optional<strobe_msgs::shot_t> summary;
-    std::optional<host::ShotResult> result;
-  };
-  Heard& heard_of(const ShotKey& key);
-
   std::filesystem::path folder_;
   std::shared_ptr<const host::RigFile> rig_;
   std::function<bool(std::int64_t)> own_;
   mutable std::mutex mutex_;
-  std::deque<Heard> newest_;  ///< oldest first
+  std::deque<host::Shot> newest_;  ///< oldest first
 };
 
 }  // namespace strobe::web

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "host/archive/stored_session.hpp"
+#include "host/archive/read_session.hpp"
 #include "host/web/http/worker.hpp"
 
 namespace strobe::web {

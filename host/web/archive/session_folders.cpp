@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <system_error>
 
-#include "host/session/log_files.hpp"
+#include "host/session/session_logs.hpp"
 #include "host/web/http/target.hpp"
 
 namespace strobe::web {

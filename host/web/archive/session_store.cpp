@@ -6,16 +6,16 @@
 #include <nlohmann/json.hpp>
 
 #include "host/archive/read_session.hpp"
-#include "host/series/from_session.hpp"
-#include "host/session/log_files.hpp"
+#include "host/series/select.hpp"
+#include "host/session/session_logs.hpp"
 #include "host/web/json/detail_json.hpp"
 
 namespace strobe::web {
 namespace {
 
 namespace fs = std::filesystem;
+using host::Shot;
 using host::StoredSession;
-using host::StoredShot;
 using nlohmann::ordered_json;
 
 std::string log_sizes(const fs::path& folder) {
@@ -32,14 +32,14 @@ std::set<ShotKey> keys_of(const std::vector<ShotRow>& rows) {
   return keys;
 }
 
-const StoredShot* shot_of(const StoredSession& session, const ShotKey& key) {
-  const auto found = std::ranges::find(session.shots, key, &StoredShot::key);
+const Shot* shot_of(const StoredSession& session, const ShotKey& key) {
+  const auto found = std::ranges::find(session.shots, key, &Shot::key);
   return found == session.shots.end() ? nullptr : &*found;
 }
 
 /// Whether a shot's budget is that of another reading of it.
-bool is_same_measurement(const StoredShot& a, const StoredShot& b) {
-  return a.digitizations.size() == b.digitizations.size() && a.result.rejected == b.result.rejected &&
+bool is_same_measurement(const Shot& a, const Shot& b) {
+  return a.digitizations.size() == b.digitizations.size() && a.rejected == b.rejected &&
          (a.digitizations.empty() || a.digitizations.back().file == b.digitizations.back().file);
 }
 
@@ -99,7 +99,7 @@ Answered<SessionStore::Stored*> SessionStore::read(const fs::path& folder) {
   Stored read{std::make_shared<const StoredSession>(std::move(*session)), edits, std::move(told), logs, {}};
   if (Stored* before = stored_.find(folder)) {
     for (auto& [key, made] : before->budgets) {
-      const StoredShot *old = shot_of(*before->session, key), *shot = shot_of(*read.session, key);
+      const Shot *old = shot_of(*before->session, key), *shot = shot_of(*read.session, key);
       if (old != nullptr && shot != nullptr && is_same_measurement(*old, *shot))
         read.budgets.emplace(key, std::move(made));
     }
@@ -125,7 +125,7 @@ Answered<std::vector<ShotRow>> SessionStore::rows_of(const fs::path& folder) {
   if (rows.empty() && has_logs && !is_live(folder)) {
     const auto stored = stored_with(folder, {});
     if (!stored) return tl::unexpected(stored.error());
-    for (const StoredShot& shot : (*stored)->session->shots) rows.push_back(shot_row(shot));
+    for (const Shot& shot : (*stored)->session->shots) rows.push_back(shot_row(shot));
     return rows;
   }
   if (rows.empty() && !table->problem.empty()) return unanswered(409, table->problem);
@@ -136,7 +136,7 @@ Answered<std::vector<ShotRow>> SessionStore::rows_of(const fs::path& folder) {
   const auto stored = stored_with(folder, edited);
   if (!stored) return tl::unexpected(stored.error());
   for (ShotRow& row : rows) {
-    const StoredShot* shot = edited.contains(row.key) ? shot_of(*(*stored)->session, row.key) : nullptr;
+    const Shot* shot = edited.contains(row.key) ? shot_of(*(*stored)->session, row.key) : nullptr;
     if (shot == nullptr) continue;
     std::string name = std::move(row.name);
     row = shot_row(*shot);
@@ -158,7 +158,7 @@ std::optional<ShotKey> SessionStore::key_of(const fs::path& folder, const std::s
   return row == table->rows.end() ? std::nullopt : std::optional(row->key);
 }
 
-std::shared_ptr<const StoredShot> SessionStore::live_shot(const fs::path& folder, const std::string& name) {
+std::shared_ptr<const Shot> SessionStore::live_shot(const fs::path& folder, const std::string& name) {
   if (live_shots_ == nullptr || !is_live(folder)) return nullptr;
   auto key = key_of(folder, name);
   if (!key) {  // its row is not on the disk yet
@@ -174,7 +174,7 @@ std::shared_ptr<const StoredShot> SessionStore::live_shot(const fs::path& folder
   const auto row = std::ranges::find(table->rows, *key, &ShotRow::key);
   if (row != table->rows.end()) shot->utc = row->utc;
   if (!shot->digitizations.empty()) shot->digitizations.back().utc = shot->utc;
-  return std::make_shared<const StoredShot>(std::move(*shot));
+  return std::make_shared<const Shot>(std::move(*shot));
 }
 
 Answered<ShotOfSession> SessionStore::shot(const std::string& id, const std::string& name) {
@@ -195,10 +195,10 @@ Answered<ShotOfSession> SessionStore::stored_shot(const std::string& id, const s
   const auto stored = stored_with(*path, key ? std::set{*key} : std::set<ShotKey>{});
   if (!stored) return tl::unexpected(stored.error());
   const Session& session = (*stored)->session;
-  const auto found = key ? std::ranges::find(session->shots, *key, &StoredShot::key)
-                         : std::ranges::find(session->shots, name, &StoredShot::name);
+  const auto found = key ? std::ranges::find(session->shots, *key, &Shot::key)
+                         : std::ranges::find(session->shots, name, &Shot::name);
   if (found == session->shots.end()) return unanswered(404, "the session has no shot of this name");
-  return ShotOfSession{session, std::shared_ptr<const StoredShot>(session, &*found)};
+  return ShotOfSession{session, std::shared_ptr<const Shot>(session, &*found)};
 }
 
 Answered<std::shared_ptr<const StoredSession>> SessionStore::stored(const std::string& id) {
@@ -210,41 +210,35 @@ Answered<std::shared_ptr<const StoredSession>> SessionStore::stored(const std::s
   return (*stored)->session;
 }
 
-Answered<std::vector<host::SeriesShot>> SessionStore::series_shots(const std::string& id) {
+Answered<std::vector<host::Shot>> SessionStore::series_shots(const std::string& id) {
   const auto path = folder(id);
   if (!path) return tl::unexpected(path.error());
   const std::lock_guard lock(mutex_);
   const auto stored = stored_with(*path, keys_of(table_of(*path)->rows));
   if (!stored) return tl::unexpected(stored.error());
   auto& budgets = (*stored)->budgets;
-  std::vector<host::SeriesShot> shots;
-  for (const StoredShot& shot : (*stored)->session->shots) {
-    auto made = budgets.find(shot.key);
-    if (made == budgets.end()) {
-      const bool counts = !shot.result.rejected;
-      host::SeriesShot one =
-          host::series_shot(shot.result, counts ? host::budget_of(shot) : reduction::Budget{}, *shot.rig);
-      one.name = shot.name;
-      made = budgets.emplace(shot.key, std::move(one)).first;
-    }
+  std::vector<host::Shot> shots;
+  for (const Shot& shot : (*stored)->session->shots) {
+    auto made = budgets.find(shot.key());
+    if (made == budgets.end()) made = budgets.emplace(shot.key(), host::series_shot(shot)).first;
     shots.push_back(made->second);
   }
   return shots;
 }
 
-void SessionStore::take_change(const std::string& id, const StoredShot& shot) {
+void SessionStore::take_change(const std::string& id, const Shot& shot) {
   const auto path = folder(id);
   if (!path) return;
   const std::lock_guard lock(mutex_);
   Stored* known = stored_.find(*path);
   if (known == nullptr) return;
   auto session = std::make_shared<StoredSession>(*known->session);
-  const auto place = std::ranges::find(session->shots, shot.key, &StoredShot::key);
+  const auto place = std::ranges::find(session->shots, shot.key(), &Shot::key);
   if (place == session->shots.end()) return;
   *place = shot;
   known->session = std::move(session);
   known->edits = edits_of(*path).state;
-  known->budgets.erase(shot.key);
+  known->budgets.erase(shot.key());
 }
 
 Answered<std::string> SessionStore::state(const std::string& id) {

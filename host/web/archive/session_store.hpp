@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "host/archive/stored_session.hpp"
-#include "host/series/series_shot.hpp"
+#include "host/archive/read_session.hpp"
+#include "host/series/series.hpp"
 #include "host/web/archive/answered.hpp"
 #include "host/web/archive/bounded_cache.hpp"
 #include "host/web/archive/live_shots.hpp"
@@ -32,7 +32,7 @@ struct SessionStoreSettings {
 /// A shot, and the session that it was read with; null: the shot is so new that only this process knows it whole.
 struct ShotOfSession {
   std::shared_ptr<const host::StoredSession> session;
-  std::shared_ptr<const host::StoredShot> shot;
+  std::shared_ptr<const host::Shot> shot;
 };
 
 class SessionStore {
@@ -56,10 +56,10 @@ class SessionStore {
   /// With every shot that results.csv has.
   Answered<std::shared_ptr<const host::StoredSession>> stored(const std::string& id);
   /// The session's shots with their budgets, each made once.
-  Answered<std::vector<host::SeriesShot>> series_shots(const std::string& id);
+  Answered<std::vector<host::Shot>> series_shots(const std::string& id);
 
   /// A shot of the session was corrected, or that taken back: what was read stays, with the shot as it is now.
-  void take_change(const std::string& id, const host::StoredShot& shot);
+  void take_change(const std::string& id, const host::Shot& shot);
 
   /// A state of the session's shots: the same text, the same numbers.
   Answered<std::string> state(const std::string& id);
@@ -80,7 +80,7 @@ class SessionStore {
     std::string edits;
     std::set<ShotKey> told;  ///< shots that results.csv had when the logs were read
     std::string logs;        ///< their sizes
-    std::map<ShotKey, host::SeriesShot> budgets;
+    std::map<ShotKey, host::Shot> budgets;
   };
   using Session = std::shared_ptr<const host::StoredSession>;
 
@@ -89,8 +89,7 @@ class SessionStore {
   Answered<Stored*> read(const std::filesystem::path& folder);
   Answered<std::vector<ShotRow>> rows_of(const std::filesystem::path& folder);
   std::optional<ShotKey> key_of(const std::filesystem::path& folder, const std::string& name);
-  std::shared_ptr<const host::StoredShot> live_shot(const std::filesystem::path& folder,
-                                                    const std::string& name);
+  std::shared_ptr<const host::Shot> live_shot(const std::filesystem::path& folder, const std::string& name);
   bool is_live(const std::filesystem::path& folder) const;
 
   SessionStoreSettings settings_;

@@ -5,11 +5,11 @@
 #include <system_error>
 
 #include "common/config/files.hpp"
-#include "common/messages/or_null.hpp"
-#include "host/archive/stored_digitizations.hpp"
+#include "common/messages/parsed_json.hpp"
+#include "host/archive/redigitize.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/session/results_rows.hpp"
 #include "host/session/run_record.hpp"
+#include "host/session/shot_table.hpp"
 #include "host/web/archive/session_folders.hpp"
 
 namespace strobe::web {

@@ -1,6 +1,6 @@
 #include "host/web/commission/commission_json.hpp"
 
-#include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 
 namespace strobe::web {
 namespace {

@@ -31,32 +31,30 @@ Answered<std::string> corrections_in(const Request& request) {
   return text;
 }
 
-ordered_json result_values(const host::ShotResult& result) {
+ordered_json result_values(const host::Shot& result) {
   const ShotRow row = shot_row(result, "", "", "");
   return values_json(row.value, row.total_sd);
 }
 
-ordered_json rejected_json(const host::ShotResult& result) {
+ordered_json rejected_json(const host::Shot& result) {
   return result.rejected ? ordered_json(*result.rejected) : ordered_json();
 }
 
-ordered_json preview_json(const host::StoredShot& before, const Preview& after) {
+ordered_json preview_json(const host::Shot& before, const Preview& after) {
   const auto& frame = after.shot.digitizations.back().frame;
   const digitize::PlaneMap& map = after.settings.map;
-  const ShotRow row = shot_row(after.shot.result, after.shot.name, "", "corrected");
-  return {
-      {"before", result_values(before.result)},
-      {"after", result_values(after.shot.result)},
-      {"rejected", {{"before", rejected_json(before.result)}, {"after", rejected_json(after.shot.result)}}},
-      {"flags", row.flags},
-      {"advice", advice(after.shot.result)},
-      {"images", images_json(after.shot.summary ? &*after.shot.summary : nullptr, frame,
-                             host::assembly_settings(*after.shot.rig), map)},
-      {"unmeasured", unmeasured_json(after.found.unmeasured, map)},
-      {"surface_px", surface_json(frame, map)},
-      {"surface_by_hand", after.found.surface_by_hand},
-      {"problem",
-       after.shot.result.problem.empty() ? ordered_json() : ordered_json(after.shot.result.problem)}};
+  const ShotRow row = shot_row(after.shot, after.shot.name, "", "corrected");
+  return {{"before", result_values(before)},
+          {"after", result_values(after.shot)},
+          {"rejected", {{"before", rejected_json(before)}, {"after", rejected_json(after.shot)}}},
+          {"flags", row.flags},
+          {"advice", advice(after.shot)},
+          {"images", images_json(after.shot.summary ? &*after.shot.summary : nullptr, frame,
+                                 host::assembly_settings(*after.shot.rig), map)},
+          {"unmeasured", unmeasured_json(after.found.unmeasured, map)},
+          {"surface_px", surface_json(frame, map)},
+          {"surface_by_hand", after.found.surface_by_hand},
+          {"problem", after.shot.problem.empty() ? ordered_json() : ordered_json(after.shot.problem)}};
 }
 
 Response preview_corrections(Editing& editing, const Request& request) {
@@ -70,9 +68,7 @@ Response preview_corrections(Editing& editing, const Request& request) {
   if (preview) {
     object = preview_json(*shot->shot, *preview);
   } else if (preview.error().status == 422) {  // a person is still typing
-    object = {{"before", result_values(shot->shot->result)},
-              {"after", nullptr},
-              {"problem", preview.error().words}};
+    object = {{"before", result_values(*shot->shot)}, {"after", nullptr}, {"problem", preview.error().words}};
   } else {
     return unanswered_response(preview.error());
   }
@@ -92,7 +88,7 @@ Response show_unmeasured(Editing& editing, const Request& request) {
 }
 
 /// The corrections that count, as a list; empty: none do.
-Answered<ordered_json> counting_corrections(const host::StoredShot& shot, const digitize::PlaneMap& map) {
+Answered<ordered_json> counting_corrections(const host::Shot& shot, const digitize::PlaneMap& map) {
   if (shot.digitizations.empty() || shot.digitizations.back().corrections.empty())
     return ordered_json::array();
   const std::string file = shot.digitizations.back().corrections.string();
@@ -118,7 +114,7 @@ Response show_corrections(Editing& editing, const Request& request) {
        {"corrections", *corrections}});
 }
 
-using Change = std::function<Result<host::ChangedShot>(const host::StoredSession&, const host::StoredShot&)>;
+using Change = std::function<Result<host::ChangedShot>(const host::StoredSession&, const host::Shot&)>;
 
 Response change_shot(Editing& editing, const Request& request, const Change& change) {
   const std::lock_guard lock(editing.changing);
@@ -145,13 +141,13 @@ Response change_shot(Editing& editing, const Request& request, const Change& cha
 Response save_corrections(Editing& editing, const Request& request) {
   const auto text = corrections_in(request);
   if (!text) return unanswered_response(text.error());
-  return change_shot(editing, request, [&](const host::StoredSession& session, const host::StoredShot& shot) {
+  return change_shot(editing, request, [&](const host::StoredSession& session, const host::Shot& shot) {
     return host::put_correction(session, shot, *text, kCorrectionsName, editing.author());
   });
 }
 
 Response undo_corrections(Editing& editing, const Request& request) {
-  return change_shot(editing, request, [](const host::StoredSession& session, const host::StoredShot& shot) {
+  return change_shot(editing, request, [](const host::StoredSession& session, const host::Shot& shot) {
     return host::take_back(session, shot);
   });
 }

@@ -13,7 +13,7 @@
 namespace strobe::web {
 
 struct Preview {
-  host::StoredShot shot;         ///< with the corrected digitization as its newest, and the result of that
+  host::Shot shot;               ///< with the corrected digitization as its newest, and the result of that
   digitize::Digitization found;  ///< likewise, as measured
   digitize::DigitizeSettings settings;
   int width_px = 0, height_px = 0;  ///< of the photograph
@@ -23,10 +23,10 @@ class Previewer {
  public:
   /// corrections: a text as of --edit; file_name: for messages. The numbers are those that saving it gives. Refused with 422
   /// and one line that names what is wrong with the corrections, with 409 where the photograph cannot be measured.
-  Answered<Preview> preview(const host::StoredSession& session, const host::StoredShot& shot,
+  Answered<Preview> preview(const host::StoredSession& session, const host::Shot& shot,
                             const std::string& corrections, const std::string& file_name);
   /// Without corrections: as it was found.
-  Answered<Preview> automatic(const host::StoredSession& session, const host::StoredShot& shot);
+  Answered<Preview> automatic(const host::StoredSession& session, const host::Shot& shot);
 
   static constexpr std::size_t kMaxKept = 8;
 
@@ -42,7 +42,7 @@ class Previewer {
     digitize::DigitizeSettings settings;
     int width_px = 0, height_px = 0;
   };
-  Answered<Measured> measured(const host::StoredSession& session, const host::StoredShot& shot);
+  Answered<Measured> measured(const host::StoredSession& session, const host::Shot& shot);
 
   std::mutex mutex_;
   BoundedCache<Key, Measured> kept_{kMaxKept};

@@ -49,7 +49,7 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kAdvice{
 
 }  // namespace
 
-std::string advice(const host::ShotResult& result) {
+std::string advice(const host::Shot& result) {
   std::string words;
   for (std::size_t i = 0; i < kAdvice.size(); ++i) {
     if (!result.readout.flags.has(static_cast<Flag>(i)) || kAdvice[i].empty()) continue;

@@ -3,11 +3,11 @@
 
 #include <string>
 
-#include "host/session/shot_result.hpp"
+#include "host/session/shot.hpp"
 
 namespace strobe::web {
 
 /// A sentence or more; empty: there is nothing to be done.
-std::string advice(const host::ShotResult& result);
+std::string advice(const host::Shot& result);
 
 }  // namespace strobe::web

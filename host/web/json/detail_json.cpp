@@ -6,13 +6,12 @@
 
 #include "common/config/files.hpp"
 #include "common/messages/json_conversions.hpp"
-#include "common/messages/or_null.hpp"
 #include "common/messages/parsed_json.hpp"
-#include "host/archive/results_table.hpp"
+#include "host/archive/shot_outcome.hpp"
 #include "host/assembly/camera_map.hpp"
-#include "host/series/from_session.hpp"
-#include "host/session/rejection.hpp"
-#include "host/session/results_csv.hpp"
+#include "host/series/select.hpp"
+#include "host/session/shot.hpp"
+#include "host/session/shot_table.hpp"
 #include "host/view/series_json.hpp"
 #include "host/web/json/advice.hpp"
 #include "host/web/json/images_json.hpp"
@@ -21,7 +20,7 @@ namespace strobe::web {
 namespace {
 
 using host::Digitization;
-using host::StoredShot;
+using host::Shot;
 using nlohmann::ordered_json;
 
 ordered_json parsed_json(const std::string& text) {
@@ -30,7 +29,7 @@ ordered_json parsed_json(const std::string& text) {
   return object;
 }
 
-ordered_json flag_words_json(const host::ShotResult& result) {
+ordered_json flag_words_json(const host::Shot& result) {
   ordered_json words = ordered_json::array();
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     const auto flag = static_cast<reduction::Flag>(i);
@@ -40,31 +39,26 @@ ordered_json flag_words_json(const host::ShotResult& result) {
   return words;
 }
 
-std::string_view kind_word(const Digitization& digitization) {
-  if (!digitization.file.empty() && digitization.by_hand) return host::kCorrectedWord;
-  return digitization.by_hand ? "hand" : "auto";
-}
-
-ordered_json digitizations_json(const StoredShot& shot) {
+ordered_json digitizations_json(const Shot& shot) {
   ordered_json list = ordered_json::array();
   for (const Digitization& each : shot.digitizations)
     list.push_back({{"utc", each.utc},
                     {"who", each.who.empty() ? ordered_json() : ordered_json(each.who)},
-                    {"kind", kind_word(each)},
+                    {"kind", host::digitization_word(each)},
                     {"images", each.frame.images.size()},
                     {"counts", &each == &shot.digitizations.back()}});
   return list;
 }
 
 /// The corrections in force, as they were typed.
-ordered_json corrections_text_json(const StoredShot& shot) {
+ordered_json corrections_text_json(const Shot& shot) {
   if (shot.digitizations.empty() || shot.digitizations.back().corrections.empty()) return nullptr;
   const auto text = config::read_file(shot.digitizations.back().corrections.string());
   return text ? ordered_json(*text) : ordered_json();
 }
 
 /// The file of the digitization that counts; null: the log holds it.
-ordered_json kept_digitization(const StoredShot& shot) {
+ordered_json kept_digitization(const Shot& shot) {
   if (shot.digitizations.empty() || shot.digitizations.back().file.empty()) return nullptr;
   const auto text = config::read_file(shot.digitizations.back().file.string());
   return text ? parsed_json(*text) : ordered_json();
@@ -95,19 +89,19 @@ ordered_json kept_unmeasured_json(const ordered_json& kept, const digitize::Plan
   return list;
 }
 
-ordered_json train_json(const host::ShotResult& result) {
-  ordered_json train = parsed_json(train_report_json(result.train, result.shot_id));
-  if (train.is_object()) train["dry"] = result.dry;
+ordered_json train_json(const host::Shot& result) {
+  ordered_json train = train_report_json(result.train, result.shot_id);
+  train["dry"] = result.dry;
   return train;
 }
 
 }  // namespace
 
-ShotRow shot_row(const StoredShot& shot) {
-  return shot_row(shot.result, shot.name, shot.utc, host::digitization_word(shot));
+ShotRow shot_row(const Shot& shot) {
+  return shot_row(shot, shot.name, shot.utc, host::digitization_word(shot));
 }
 
-digitize::PlaneMap photograph_map(const StoredShot& shot, const std::optional<PhotographPlace>& photograph) {
+digitize::PlaneMap photograph_map(const Shot& shot, const std::optional<PhotographPlace>& photograph) {
   int height_px = photograph ? photograph->height_px : shot.rig->camera.height_px.value_or(0);
   if (height_px <= 0 && !shot.digitizations.empty()) {
     double top = 0.0;
@@ -118,14 +112,14 @@ digitize::PlaneMap photograph_map(const StoredShot& shot, const std::optional<Ph
   return host::plane_map(shot.rig->camera, height_px);
 }
 
-ordered_json detail_json(const StoredShot& shot, const std::string& session_id,
+ordered_json detail_json(const Shot& shot, const std::string& session_id,
                          const std::optional<PhotographPlace>& photograph) {
   ordered_json object = shot_json(shot_row(shot), session_id);
-  object["readout"] = parsed_json(messages::readout_to_json(shot.result.readout));
-  object["problem"] = shot.result.problem.empty() ? ordered_json() : ordered_json(shot.result.problem);
-  object["flag_words"] = flag_words_json(shot.result);
-  object["advice"] = advice(shot.result);
-  object["verified"] = shot.result.verified;
+  object["readout"] = messages::readout_json(shot.readout);
+  object["problem"] = shot.problem.empty() ? ordered_json() : ordered_json(shot.problem);
+  object["flag_words"] = flag_words_json(shot);
+  object["advice"] = advice(shot);
+  object["verified"] = shot.verified;
   object["photograph"] = photograph ? ordered_json{{"url", photograph->url},
                                                    {"width_px", photograph->width_px},
                                                    {"height_px", photograph->height_px}}
@@ -145,8 +139,8 @@ ordered_json detail_json(const StoredShot& shot, const std::string& session_id,
   object["surface_by_hand"] = kept.is_object() && kept.value("surface_source", ordered_json()) == "hand";
   object["digitizations"] = digitizations_json(shot);
   object["corrections"] = corrections_text_json(shot);
-  object["budget"] = host::budget_json(host::budget_of(shot), shot.result.readout);
-  object["train"] = train_json(shot.result);
+  object["budget"] = host::budget_json(host::budget_of(shot), shot.readout);
+  object["train"] = train_json(shot);
   return object;
 }
 

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "common/messages/lcm_conversions.hpp"
-#include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "common/reduction/reduce.hpp"
 
 namespace strobe::web {

@@ -6,10 +6,9 @@
 #include <map>
 #include <set>
 
-#include "host/session/csv_file.hpp"
-#include "host/session/results_csv.hpp"
-#include "host/session/results_rows.hpp"
-#include "host/session/shot_names.hpp"
+#include "common/data/csv.hpp"
+#include "host/session/record_file.hpp"
+#include "host/session/shot_table.hpp"
 #include "host/web/json/shot_json.hpp"
 
 namespace strobe::web {
@@ -40,7 +39,7 @@ std::vector<std::string> words_between(const std::string& text, char separator) 
 class ResultsColumns {
  public:
   ResultsColumns() {
-    const auto names = host::csv_fields(host::results_header());
+    const auto names = data::csv_cells(host::results_header());
     for (std::size_t i = 0; i < names.size(); ++i) places_[names[i]] = i;
     for (std::size_t i = 0; i < kQuantityCount; ++i) {
       const std::string quantity(reduction::kQuantityNames[i]);
@@ -51,7 +50,7 @@ class ResultsColumns {
   }
 
   ShotRow row(const host::ResultsRow& line) const {
-    const std::vector<std::string> cells = host::csv_fields(line.line);
+    const std::vector<std::string> cells = data::csv_cells(line.line);
     const auto cell = [&](std::size_t at) { return at < cells.size() ? cells[at] : std::string(); };
     const auto named = [&](const char* name) { return cell(places_.at(name)); };
     ShotRow row;

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "common/data/thesis_data.hpp"
-#include "common/messages/or_null.hpp"
-#include "host/series/individuals_chart.hpp"
+#include "common/messages/parsed_json.hpp"
+#include "host/series/series.hpp"
 #include "host/view/series_json.hpp"
-#include "host/view/thesis_row.hpp"
+#include "host/view/series_view.hpp"
 
 namespace strobe::web {
 namespace {

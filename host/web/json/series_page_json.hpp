@@ -6,13 +6,13 @@
 #include <span>
 
 #include "common/data/thesis_data.hpp"
-#include "host/series/series_summary.hpp"
+#include "host/series/series.hpp"
 #include "host/web/json/shot_json.hpp"
 
 namespace strobe::web {
 
 /// {"summary","points","limits","thesis"}. rows: all shots of the series in the order of firing, those that do not count,
-/// too; dry ones are left out. Limits: host/series/individuals_chart.hpp; null where there are too few shots.
+/// too; dry ones are left out. Limits: host/series/series.hpp; null where there are too few shots.
 nlohmann::ordered_json series_page_json(const host::SeriesSummary& summary,
                                         const std::optional<thesis::Condition>& condition,
                                         std::span<const ShotRow> rows);

@@ -5,10 +5,10 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 #include "common/reduction/uncertainty.hpp"
 #include "host/config/notes.hpp"
-#include "host/view/quantities.hpp"
+#include "host/session/shot_table.hpp"
 #include "host/view/series_view.hpp"
 
 namespace strobe::web {
@@ -32,8 +32,7 @@ std::vector<std::string> names_of(const reduction::FlagSet& flags) {
 
 }  // namespace
 
-ShotRow shot_row(const host::ShotResult& result, std::string name, std::string utc,
-                 std::string_view digitization) {
+ShotRow shot_row(const host::Shot& result, std::string name, std::string utc, std::string_view digitization) {
   const reduction::Readout& readout = result.readout;
   ShotRow row;
   row.name = std::move(name);

@@ -9,14 +9,14 @@
 
 #include "common/reduction/readout.hpp"
 #include "common/shot/shot_key.hpp"
-#include "host/session/results_rows.hpp"
-#include "host/session/shot_result.hpp"
+#include "host/session/shot.hpp"
+#include "host/session/shot_table.hpp"
 
 namespace strobe::web {
 
 /// What results.csv and a result have in common.
 struct ShotRow {
-  std::string name;  ///< StoredShot::name, column "shot"
+  std::string name;  ///< Shot::name, column "shot"
   ShotKey key;
   std::string utc;  ///< when the result came
   bool dry = false;
@@ -29,9 +29,8 @@ struct ShotRow {
   std::optional<double> angle_deg;
 };
 
-/// digitization: of host/session/results_csv.hpp or host/archive/results_table.hpp.
-ShotRow shot_row(const host::ShotResult& result, std::string name, std::string utc,
-                 std::string_view digitization);
+/// digitization: of host/session/shot_table.hpp or host/archive/shot_outcome.hpp.
+ShotRow shot_row(const host::Shot& result, std::string name, std::string utc, std::string_view digitization);
 
 /// Rows of a results.csv, of this version or an earlier one, in its order, each shot once; lines that are none are
 /// left out.

@@ -32,7 +32,7 @@ void LiveFeed::add(LiveMessage message) {
   }
 }
 
-void LiveFeed::on_shot_result(const host::ShotResult& result) {
+void LiveFeed::on_shot_result(const host::Shot& result) {
   if (shown_ && !shown_(result.host_id)) return;
   add(LiveShot{result, now_utc()});
   channel_.put(waiting_);

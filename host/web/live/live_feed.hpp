@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/loop/host_loop.hpp"
-#include "host/view/view_model.hpp"
+#include "host/view/render.hpp"
 #include "host/web/live/live_channel.hpp"
 
 namespace strobe::web {
@@ -31,7 +31,7 @@ class LiveFeed final : public host::HostListener {
   /// From now on only results of these hosts' shots are told.
   void show_only(std::function<bool(std::int64_t host_id)> shown) { shown_ = std::move(shown); }
 
-  void on_shot_result(const host::ShotResult& result) override;
+  void on_shot_result(const host::Shot& result) override;
   void on_notification(const std::string& text) override;
 
   /// After each turn of the loop: tells how things are, at once where something has changed that a person waits for, else

@@ -9,7 +9,7 @@
 
 #include "common/authentication/unverified.hpp"
 #include "host/clock/device_clock.hpp"
-#include "host/session/shot_result.hpp"
+#include "host/session/shot.hpp"
 
 namespace strobe::web {
 
@@ -33,7 +33,7 @@ struct LiveStatus {
 };
 
 struct LiveShot {
-  host::ShotResult result;
+  host::Shot result;
   std::string utc;  ///< when the result came
 };
 

@@ -6,10 +6,9 @@
 #include <utility>
 
 #include "common/messages/parsed_json.hpp"
-#include "host/session/results_csv.hpp"
-#include "host/session/shot_names.hpp"
+#include "host/session/shot_table.hpp"
+#include "host/view/render.hpp"
 #include "host/view/timing.hpp"
-#include "host/view/view_model.hpp"
 #include "host/web/http/background.hpp"
 #include "host/web/json/series_page_json.hpp"
 #include "host/web/json/shot_json.hpp"
@@ -58,8 +57,8 @@ void LiveState::take(LiveStatus status) {
 }
 
 void LiveState::take(LiveShot shot) {
-  const host::ShotResult& result = shot.result;
-  shots_.push_back({result.boot_id, result.shot_id});
+  const host::Shot& result = shot.result;
+  shots_.push_back(result.key());
   const ShotRow row =
       shot_row(result, host::shot_names(shots_).back(), shot.utc, host::digitization_word(result));
   std::string text = line_of(shot_json(row, setup_.session));
@@ -71,7 +70,7 @@ void LiveState::take(LiveShot shot) {
   hub_.publish("shot", std::move(text));
   if (result.dry) return;
   rows_.push_back(row);
-  series_.add(host::series_shot_of(result));
+  series_.add(result);
 }
 
 void LiveState::take(LiveNotification notification) {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "common/messages/or_null.hpp"
+#include "common/messages/parsed_json.hpp"
 
 namespace strobe::web {
 namespace {

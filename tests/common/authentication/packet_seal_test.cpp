@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/messages/encode.hpp"
+#include "common/messages/well_formed.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe::authentication;

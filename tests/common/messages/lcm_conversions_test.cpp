@@ -2,6 +2,10 @@
 
 // g++ 12 sees overlapping copies in assignments to std::string and unread bytes in the generated decoders
 // (GCC bugs 105329, 105651).
+#include "common/messages/plan_lcm.hpp"
+
+#include <CppUTest/TestHarness.h>
+
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wrestrict"
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
@@ -280,4 +284,29 @@ TEST(RecordNotes, ALaterNoteOverridesAnEarlierOne) {
   notes[0].value = "A";
   notes[1].value = "B";
   CHECK_EQUAL("B", record_from_notes(notes)->at("operator"));
+}
+
+using namespace strobe;
+
+TEST_GROUP(PlanMessage){};
+
+TEST(PlanMessage, CarriesAPlanThereAndBack) {
+  ShotPlan plan;
+  plan.train = Train::gated;
+  plan.period = microseconds(1777);
+  plan.flash_count = 12;
+  plan.exposure = milliseconds(321);
+  plan.gate_delay = microseconds(4001);
+  plan.impact_at = milliseconds(99);
+  plan.dry = true;
+  CHECK(messages::plan_from_lcm(messages::plan_to_lcm(plan)) == plan);
+}
+
+TEST(PlanMessage, CarriesACodedTrainThereAndBack) {
+  ShotPlan plan;
+  for (int k = 0; k < 300; ++k)
+    plan.code.push_back({microseconds(3000 * k + 7 * k * k), k % 3 == 0   ? Lamps::a
+                                                             : k % 3 == 1 ? Lamps::b
+                                                                          : Lamps::both});
+  CHECK(messages::plan_from_lcm(messages::plan_to_lcm(plan)) == plan);
 }

@@ -21,7 +21,7 @@ namespace {
 using namespace strobe;
 using namespace strobe::host_test;
 using host::StoredSession;
-using host::StoredShot;
+using host::Shot;
 using reduction::Flag;
 using reduction::Quantity;
 namespace fs = std::filesystem;
@@ -73,13 +73,13 @@ TEST(ReadSession, GivesEveryShotWithItsReadout) {
   LONGS_EQUAL(0, session.remarks.size());
   LONGS_EQUAL(3, session.shots.size());
   for (int i = 0; i < 3; ++i) {
-    const StoredShot& shot = session.shots[static_cast<std::size_t>(i)];
+    const Shot& shot = session.shots[static_cast<std::size_t>(i)];
     CHECK_EQUAL(std::to_string(i + 1), shot.name);
     LONGS_EQUAL(1, shot.digitizations.size());
     CHECK_FALSE(shot.digitizations[0].by_hand);
-    CHECK_FALSE(shot.result.rejected.has_value());
+    CHECK_FALSE(shot.rejected.has_value());
     // As the synthetic shot's bounce has it; 0.2 mm of noise on a leg of some ten images in 30 ms leave 0.02 m/s.
-    DOUBLES_EQUAL(15.62, shot.result.readout.value[Quantity::vx_td_mps].value(), 0.1);
+    DOUBLES_EQUAL(15.62, shot.readout.value[Quantity::vx_td_mps].value(), 0.1);
   }
   CHECK_EQUAL("2026-01-31T09:30:07.250Z", session.shots[1].utc);
   CHECK_EQUAL("2026-01-31T09:30:00.009Z", session.shots[0].utc);  // its frame is the log's ninth record
@@ -110,8 +110,8 @@ TEST(ReadSession, JoinsTheRunsOfAFolder) {
   LONGS_EQUAL(6, session.runs[1].host_id);
   CHECK_TRUE(told(session, "runs.jsonl:2: "));
   LONGS_EQUAL(2, session.shots.size());
-  LONGS_EQUAL(5, session.shots[0].result.host_id);
-  LONGS_EQUAL(6, session.shots[1].result.host_id);
+  LONGS_EQUAL(5, session.shots[0].host_id);
+  LONGS_EQUAL(6, session.shots[1].host_id);
 }
 
 TEST(ReadSession, FollowsAShotFromOneLogIntoTheNext) {
@@ -137,9 +137,9 @@ TEST(ReadSession, FollowsAShotFromOneLogIntoTheNext) {
   run.reset();
   const StoredSession session = read();
   LONGS_EQUAL(2, session.shots.size());
-  LONGS_EQUAL(5, session.shots[0].result.host_id);
-  CHECK_FALSE(session.shots[0].result.rejected.has_value());
-  CHECK_FALSE(session.shots[0].result.readout.flags.has(Flag::events_missing));
+  LONGS_EQUAL(5, session.shots[0].host_id);
+  CHECK_FALSE(session.shots[0].rejected.has_value());
+  CHECK_FALSE(session.shots[0].readout.flags.has(Flag::events_missing));
   LONGS_EQUAL(1, session.shots[0].digitizations.size());
 }
 
@@ -160,7 +160,7 @@ TEST(ReadSession, TellsTwoBootsApart) {
   LONGS_EQUAL(2, session.shots.size());
   CHECK_EQUAL("1", session.shots[0].name);
   CHECK_EQUAL("1/1f2e4d", session.shots[1].name);
-  CHECK_EQUAL(other, (*host::find_shot(session, "1/1f2e4d"))->key.boot_id);
+  CHECK_EQUAL(other, (*host::find_shot(session, "1/1f2e4d"))->boot_id);
   const auto none = host::find_shot(session, "2");
   CHECK_FALSE(none.has_value());
   STRCMP_CONTAINS("there are: 1, 1/1f2e4d", none.error().message.c_str());
@@ -192,12 +192,12 @@ TEST(ReadSession, HasTheShotsThatNobodySawTheEndOf) {
   run.reset();
   const StoredSession session = read();
   LONGS_EQUAL(3, session.shots.size());
-  CHECK_TRUE(session.shots[1].result.readout.flags.has(Flag::no_photograph));
-  CHECK_TRUE(session.shots[1].result.rejected.has_value());
+  CHECK_TRUE(session.shots[1].readout.flags.has(Flag::no_photograph));
+  CHECK_TRUE(session.shots[1].rejected.has_value());
   CHECK_TRUE(session.shots[1].digitizations.empty());
   CHECK_FALSE(session.shots[2].summary.has_value());
-  CHECK_TRUE(session.shots[2].result.readout.flags.has(Flag::shot_aborted));
-  LONGS_EQUAL(5, session.shots[2].result.host_id);
+  CHECK_TRUE(session.shots[2].readout.flags.has(Flag::shot_aborted));
+  LONGS_EQUAL(5, session.shots[2].host_id);
   CHECK_TRUE_TEXT(told(session, "the end of shot 3 is in no log"), all_remarks(session).c_str());
 }
 
@@ -233,9 +233,9 @@ TEST(ReadSession, HasTheReadoutThatALaterRunToldOfAShot) {
   run.reset();
   const StoredSession session = read();
   LONGS_EQUAL(2, session.shots.size());
-  CHECK_FALSE_TEXT(session.shots[0].result.rejected.has_value(), all_remarks(session).c_str());
+  CHECK_FALSE_TEXT(session.shots[0].rejected.has_value(), all_remarks(session).c_str());
   LONGS_EQUAL(1, session.shots[0].digitizations.size());
-  CHECK_TRUE(session.shots[1].result.readout.flags.has(Flag::no_photograph));
+  CHECK_TRUE(session.shots[1].readout.flags.has(Flag::no_photograph));
 }
 
 TEST(ReadSession, TakesFromAJournalWhatTheLogsLack) {
@@ -269,7 +269,7 @@ TEST(ReadSession, TakesFromAJournalWhatTheLogsLack) {
   fs::copy_file(log_at(place / "rig", 0), folder / "journal-4d.lcmlog");
   const StoredSession session = read();
   LONGS_EQUAL(1, session.shots.size());
-  CHECK_FALSE_TEXT(session.shots[0].result.rejected.has_value(), all_remarks(session).c_str());
+  CHECK_FALSE_TEXT(session.shots[0].rejected.has_value(), all_remarks(session).c_str());
   CHECK_FALSE(session.verified);
   CHECK_TRUE(told(session, "strobed's journal"));
 }
@@ -351,7 +351,7 @@ TEST(ReadSession, TheNewestDigitizationCounts) {
   testing::write_text(folder / "digitizations/shot-0001-4d-3.json.undone", "{}");
   StoredSession session = read();
   LONGS_EQUAL_TEXT(3, session.shots[0].digitizations.size(), all_remarks(session).c_str());
-  DOUBLES_EQUAL(13.0, session.shots[0].result.readout.value[Quantity::vx_td_mps].value(), 0.1);
+  DOUBLES_EQUAL(13.0, session.shots[0].readout.value[Quantity::vx_td_mps].value(), 0.1);
   const auto& first = session.shots[0].digitizations[1];
   CHECK_EQUAL("ann@lab", first.who);
   CHECK_TRUE(first.by_hand);
@@ -360,7 +360,7 @@ TEST(ReadSession, TheNewestDigitizationCounts) {
   // One that cannot be read is told, and those before it count.
   testing::write_text(folder / "digitizations/shot-0001-4d-2.json", "{\"shot_id\":1,");
   session = read();
-  DOUBLES_EQUAL(14.0, session.shots[0].result.readout.value[Quantity::vx_td_mps].value(), 0.1);
+  DOUBLES_EQUAL(14.0, session.shots[0].readout.value[Quantity::vx_td_mps].value(), 0.1);
   CHECK_TRUE_TEXT(told(session, "shot-0001-4d-2.json: "), all_remarks(session).c_str());
 }
 
@@ -375,7 +375,7 @@ TEST(ReadSession, WithoutTheKeyIsUnverified) {
   CHECK_TRUE(session.has_value());
   CHECK_FALSE(session->verified);
   LONGS_EQUAL(1, session->shots.size());
-  CHECK_FALSE(session->shots[0].result.verified);
+  CHECK_FALSE(session->shots[0].verified);
   CHECK_TRUE(told(*session, "unverified: host-20260131T093000Z.lcmlog has no seal"));
 }
 

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/session/event_log.hpp"
-#include "host/session/log_files.hpp"
+#include "host/session/session_logs.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include "tests/support/string_from.hpp"

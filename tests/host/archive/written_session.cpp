@@ -121,7 +121,7 @@ void WrittenRun::shot(int shot_id, const std::string& photograph) {
 }
 
 void WrittenRun::result(int shot_id, const std::string& utc, std::int64_t boot_id) {
-  host::ShotResult result;
+  host::Shot result;
   result.boot_id = boot_id;
   result.shot_id = shot_id;
   folder_->add(result, utc);

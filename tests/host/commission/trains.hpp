@@ -5,7 +5,7 @@
 #include <random>
 #include <strobe_msgs/shot_t.hpp>
 
-#include "common/shot/lamps.hpp"
+#include "common/shot/shot_plan.hpp"
 
 namespace strobe::commission_test {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/config/notes.hpp"
-#include "host/session/data_dictionary.hpp"
+#include "host/session/shot_table.hpp"
 #include "tests/host/others/stored_photographs.hpp"
 #include "tests/support/program_run.hpp"
 #include "tests/support/string_from.hpp"

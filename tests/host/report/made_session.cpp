@@ -20,7 +20,7 @@ strobe_msgs::note_t note(const std::string& key, const std::string& value) {
   return out;
 }
 
-host::StoredShot stored_shot(int number, const MadeSession& settings, const host::RigFile& rig) {
+host::Shot stored_shot(int number, const MadeSession& settings, const host::RigFile& rig) {
   host_test::Scenario scenario;
   scenario.seed = static_cast<std::uint32_t>(number);
   scenario.touchdown_s += 0.37e-3 * number;  // so that images show all of the contact
@@ -35,8 +35,7 @@ host::StoredShot stored_shot(int number, const MadeSession& settings, const host
     image.top_x_px = image.centre_x_px;
     image.top_y_px = image.centre_y_px + 0.45 * image.diameter_px;
   }
-  host::StoredShot stored;
-  stored.key = {made.shot.boot_id, number};
+  host::Shot stored;
   stored.name = std::to_string(number);
   stored.utc = fmt::format("2026-11-21T10:{:02}:00Z", number);
   stored.summary = made.shot;
@@ -45,10 +44,10 @@ host::StoredShot stored_shot(int number, const MadeSession& settings, const host
   digitization.utc = stored.utc;
   stored.digitizations.push_back(digitization);
   auto readout = host::shot_readout(made.shot, made.frame, host::assembly_settings(rig));
-  stored.result.boot_id = made.shot.boot_id;
-  stored.result.shot_id = number;
-  stored.result.readout = std::move(readout.readout);
-  stored.result.train = host::train_report(made.shot);
+  stored.boot_id = made.shot.boot_id;
+  stored.shot_id = number;
+  stored.readout = std::move(readout.readout);
+  stored.train = host::train_report(made.shot);
   return stored;
 }
 
@@ -73,7 +72,7 @@ host::StoredSession made_session(const MadeSession& settings) {
   for (int i = 1; i <= settings.shots; ++i) {
     session.shots.push_back(stored_shot(i, settings, session.rig));
     if (i > settings.shots - settings.rejected)
-      session.shots.back().result.rejected = "a flash <was> missing";
+      session.shots.back().rejected = "a flash <was> missing";
   }
   session.verified = true;
   return session;
@@ -88,7 +87,7 @@ host::SeriesSummary plain_summary(const std::string& name, const std::vector<lab
     host::QuantitySummary& s = out.quantities[i];
     double sum = 0.0, squares = 0.0;
     for (const auto& each : shots) {
-      const auto& value = each.shot->result.readout.value[q];
+      const auto& value = each.shot->readout.value[q];
       if (!value) continue;
       ++s.n;
       sum += *value;

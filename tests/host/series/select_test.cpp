@@ -1,7 +1,11 @@
 // Which shots make a series.
-#include "host/series/select.hpp"
+#include <cmath>
 
+#include "host/series/select.hpp"
+#include "host/series/series.hpp"
+#include "host/session/shot.hpp"
 #include "tests/host/series/simulated_series.hpp"
+#include "tests/host/synthetic_shot.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
@@ -11,23 +15,23 @@ using namespace strobe::test;
 
 namespace {
 
-SeriesShot noted(const std::string& session, const std::string& name, const std::string& spin,
+Shot noted(const std::string& session, const std::string& name, const std::string& spin,
                  const std::string& angle) {
-  SeriesShot shot = series_shot(name, 10.0);
+  Shot shot = series_shot(name, 10.0);
   shot.session = session;
   shot.readout.record["spin"] = spin;
   if (!angle.empty()) shot.readout.record["angle_deg"] = angle;
   return shot;
 }
 
-std::vector<SeriesShot> shots() {
+std::vector<Shot> shots() {
   return {noted("a", "1", "zero", "23"), noted("a", "2", "top", "18"), noted("b", "1", "zero", "9"),
           noted("b", "3", "zero", "23.0"), noted("b", "4", "zero", "")};
 }
 
 std::string names(const ShotGroup& group) {
   std::string all = group.name + ":";
-  for (const SeriesShot& shot : group.shots) all += " " + shot.full_name();
+  for (const Shot& shot : group.shots) all += " " + shot.full_name();
   return all;
 }
 
@@ -90,4 +94,86 @@ TEST(Selection, ReadsConditions) {
   CHECK_EQUAL(std::string("a=b"), parse_where("remarks=a=b")->second);
   CHECK_FALSE(parse_where("spin").has_value());
   CHECK_FALSE(parse_where("=zero").has_value());
+}
+
+// Stored sessions as series take them.
+using namespace strobe;
+using namespace strobe::host;
+using namespace strobe::host_test;
+using reduction::Quantity;
+
+namespace {
+
+RigFile rig_of(double px_per_m) {
+  RigFile rig;
+  rig.machine_lag_s = kMachineLag_s;
+  rig.analysis.flash_time_sd_s = 0.2e-6;
+  rig.analysis.px_per_m = px_per_m;
+  rig.analysis.px_per_m_sd = 10.0;
+  return rig;
+}
+
+Shot stored(std::uint32_t seed, const std::shared_ptr<const RigFile>& rig, const std::string& ball) {
+  Scenario scenario;
+  scenario.seed = seed;
+  const SyntheticShot made = make_shot(scenario);
+  Shot shot = measured_shot(made.shot, made.frame, {}, assembly_settings(*rig));
+  shot.name = std::to_string(seed);
+  shot.rig = rig;
+  if (!ball.empty()) shot.readout.record["ball_name"] = ball;
+  return shot;
+}
+
+StoredSession session_of(double px_per_m, const std::string& ball = "") {
+  StoredSession session;
+  session.rig = rig_of(px_per_m);
+  const auto rig = std::make_shared<const RigFile>(session.rig);
+  for (const std::uint32_t seed : {1U, 2U, 3U}) session.shots.push_back(stored(seed, rig, ball));
+  return session;
+}
+
+/// px per m of the synthetic photographs.
+double true_scale() {
+  const SyntheticShot made = make_shot({});
+  return made.frame.images.front().diameter_px / kBallDiameter_m;
+}
+
+}  // namespace
+
+TEST_GROUP(SeriesOfASession){};
+
+TEST(SeriesOfASession, HasEachShotWithItsBudget) {
+  const auto shots = series_shots(session_of(true_scale()), "run1");
+  CHECK_EQUAL(3U, shots.size());
+  CHECK_EQUAL(std::string("run1:2"), shots[1].full_name());
+  for (const Shot& shot : shots) {
+    CHECK_FALSE(shot.rejected.has_value());
+    CHECK_FALSE(shot.budget.sources.empty());
+    // The lines are the readout's sds: to what a mixture's other assignments change.
+    const double sd = std::hypot(*shot.readout.sd[Quantity::vx_td_mps],
+                                 shot.readout.sd_systematic[Quantity::vx_td_mps].value_or(0.0));
+    DOUBLES_EQUAL(1.0, shot.budget.combined_sd(Quantity::vx_td_mps) / sd, 0.01);
+  }
+}
+
+TEST(SeriesOfASession, SharesCalibrationAndBallWithAnotherOfTheSameRigFile) {
+  const double scale = true_scale();
+  const auto one = series_shots(session_of(scale), "a"), same = series_shots(session_of(scale), "b");
+  CHECK_TRUE(one[0].calibration == same[0].calibration && one[0].ball == same[0].ball);
+  CHECK_TRUE(one[0].calibration != series_shots(session_of(scale + 1.0), "c")[0].calibration);
+  const auto named = series_shots(session_of(scale, "ball 7"), "d");
+  CHECK_TRUE(one[0].calibration == named[0].calibration && one[0].ball != named[0].ball);
+}
+
+TEST(SeriesOfASession, CountsARejectedShotWithoutABudget) {
+  StoredSession session = session_of(true_scale());
+  session.shots[1].rejected = "the photograph did not come in time";
+  session.shots[1].digitizations.clear();
+  const auto shots = series_shots(session, "");
+  CHECK_TRUE(shots[1].budget.sources.empty());
+  const SeriesSummary summary = summarize("", shots);
+  CHECK_EQUAL(2, summary.counted);
+  CHECK_EQUAL(1, summary.rejected);
+  CHECK_FALSE(matched_frame(session.shots[1]).has_value());
+  CHECK_TRUE(matched_frame(session.shots[0])->images.size() > 5);
 }

@@ -10,10 +10,10 @@ namespace strobe::test {
 
 /// `value` of vx at touchdown and of e. A scale of 1 % makes vx larger by `by_scale`, and e not; the ball's diameter e by
 /// `by_ball`.
-inline host::SeriesShot series_shot(const std::string& name, double vx, double e = 0.8, double by_scale = 0.0,
+inline host::Shot series_shot(const std::string& name, double vx, double e = 0.8, double by_scale = 0.0,
                                     double by_ball = 0.0) {
   using namespace reduction;
-  host::SeriesShot shot;
+  host::Shot shot;
   shot.name = name;
   shot.calibration = "the camera's";
   shot.ball = "ball 1";
@@ -29,15 +29,15 @@ inline host::SeriesShot series_shot(const std::string& name, double vx, double e
   return shot;
 }
 
-inline std::vector<host::SeriesShot> series_shots(const std::vector<double>& vx, double by_scale = 0.0) {
-  std::vector<host::SeriesShot> shots;
+inline std::vector<host::Shot> series_shots(const std::vector<double>& vx, double by_scale = 0.0) {
+  std::vector<host::Shot> shots;
   for (const double v : vx) shots.push_back(series_shot(std::to_string(shots.size() + 1), v, 0.8, by_scale));
   return shots;
 }
 
-inline host::Series series_of(const std::vector<host::SeriesShot>& shots) {
+inline host::Series series_of(const std::vector<host::Shot>& shots) {
   host::Series series;
-  for (const host::SeriesShot& shot : shots) series.add(shot);
+  for (const host::Shot& shot : shots) series.add(shot);
   return series;
 }
 

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "common/messages/channels.hpp"
-#include "common/messages/encode.hpp"
+#include "common/messages/well_formed.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/loop/host_loop.hpp"
@@ -67,7 +67,7 @@ class Live final : host::Transport, host::HostListener {
     loop_.step();
   }
 
-  std::optional<host::ShotResult> wait_for_readout(HostTime until) {
+  std::optional<host::Shot> wait_for_readout(HostTime until) {
     while (!result_ && steady_now() < until) loop_.run_once();
     return std::exchange(result_, std::nullopt);
   }
@@ -81,11 +81,11 @@ class Live final : host::Transport, host::HostListener {
     return true;
   }
   void publish(const std::string&, Bytes) override {}
-  void on_shot_result(const host::ShotResult& result) override { result_ = result; }
+  void on_shot_result(const host::Shot& result) override { result_ = result; }
 
   host::MachineClock clock_;
   host::HostLoop loop_;
-  std::optional<host::ShotResult> result_;
+  std::optional<host::Shot> result_;
 };
 
 Result<std::vector<Shot>> render_all(const Options& options) {

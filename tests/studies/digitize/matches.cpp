@@ -9,7 +9,7 @@
 #include "host/assembly/assemble.hpp"
 #include "host/assembly/flash_times.hpp"
 #include "host/photographs/measure_photograph.hpp"
-#include "host/session/rejection.hpp"
+#include "host/session/shot.hpp"
 #include "sim/random/draws.hpp"
 #include "tests/studies/digitize/in_order.hpp"
 #include "tests/studies/digitize/photographs.hpp"

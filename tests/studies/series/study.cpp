@@ -10,7 +10,7 @@
 #include "common/reduction/reduce.hpp"
 #include "common/statistics/distributions.hpp"
 #include "host/series/compare.hpp"
-#include "host/session/rejection.hpp"
+#include "host/session/shot.hpp"
 #include "sim/motion/ball_path.hpp"
 #include "sim/shoot/shoot.hpp"
 #include "tests/studies/in_parallel.hpp"
@@ -89,7 +89,7 @@ class Truth {
 };
 
 /// As a laboratory measures it: with the stated ball, and the calibration's scale.
-host::SeriesShot measured(reduction::Frame frame, const sim::Scene& stated, const SeriesPlan& plan,
+host::Shot measured(reduction::Frame frame, const sim::Scene& stated, const SeriesPlan& plan,
                           const Errors& e) {
   frame.ball_diameter_m = stated.ball.diameter_m;
   frame.ball_diameter_sd_m = plan.ball_diameter_sd_m;
@@ -99,7 +99,7 @@ host::SeriesShot measured(reduction::Frame frame, const sim::Scene& stated, cons
     frame.px_per_m = stated.camera.px_per_m * (1.0 + e.scale);
     frame.px_per_m_sd = stated.camera.px_per_m * plan.scale_sd;
   }
-  host::SeriesShot shot;
+  host::Shot shot;
   const auto readout = reduction::reduce(frame, reduction::Estimator::best);
   if (!readout) {
     shot.rejected = readout.error().message;

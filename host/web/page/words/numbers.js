@@ -1,4 +1,4 @@
-// Numbers as the terminal shows them (host/view/text.cpp). Pure.
+// Numbers as the terminal shows them (host/text/text.cpp). Pure.
 
 const MINUS = "\u2212";
 export const ABSENT = "–";

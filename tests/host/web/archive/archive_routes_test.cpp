@@ -67,7 +67,7 @@ TEST_GROUP(ArchiveRoutes) {
   void add(WrittenRun & run, const fs::path& folder, int shot) {
     run.shot(shot);
     const auto read = host::read_session(folder, {"", key_file.string(), {}}).value();
-    run.folder().add(read.shots.back().result, utc(shot));
+    run.folder().add(read.shots.back(), utc(shot));
   }
   web::Response ask(const std::string& path, std::map<std::string, std::string> query = {}) {
     web::Request request{"GET", "/api/v1" + path, std::move(query), {}, "", ""};
@@ -211,12 +211,12 @@ TEST(ArchiveRoutes, ShowTheNewestShotsOfTheirOwnProcessWithoutReadingLogs) {
     add(run, folder, 1);
   }
   const auto session = host::read_session(folder, {"", key_file.string(), {}}).value();
-  const host::StoredShot& stored = session.shots[0];
+  const host::Shot& stored = session.shots[0];
   open("today");
   web::LiveShots live(folder, stored.rig, [](std::int64_t host) { return host == 5; });
   archive->sessions.set_live_shots(&live);
   live.on_shot(*stored.summary);
-  live.on_shot_result(stored.result);
+  live.on_shot_result(stored);
   ordered_json shown = json("/sessions/today/shots/1");
   LONGS_EQUAL(0, archive->sessions.readings());
   archive->sessions.set_live_shots(nullptr);
@@ -228,12 +228,12 @@ TEST(ArchiveRoutes, ShowTheNewestShotsOfTheirOwnProcessWithoutReadingLogs) {
   // Many more push it out.
   archive->sessions.set_live_shots(&live);
   for (int id = 100; id < 200; ++id) {
-    host::ShotResult other = stored.result;
+    host::Shot other = stored;
     other.shot_id = id;
     live.on_shot_result(other);
   }
-  CHECK_FALSE(live.find(stored.key).has_value());
-  CHECK_TRUE(live.find({stored.key.boot_id, 199}).has_value());
+  CHECK_FALSE(live.find(stored.key()).has_value());
+  CHECK_TRUE(live.find({stored.boot_id, 199}).has_value());
 }
 
 TEST(ArchiveRoutes, SendThePhotographScaledAndItsTag) {

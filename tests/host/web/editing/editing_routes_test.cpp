@@ -9,8 +9,8 @@
 
 #include "common/authentication/key_file.hpp"
 #include "host/archive/read_session.hpp"
-#include "host/archive/results_table.hpp"
-#include "host/archive/stored_digitizations.hpp"
+#include "host/archive/shot_outcome.hpp"
+#include "host/archive/redigitize.hpp"
 #include "tests/host/web/support/painted_session.hpp"
 #include "tests/support/temporary_folder.hpp"
 

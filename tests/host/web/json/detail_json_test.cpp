@@ -1,3 +1,4 @@
+#include "host/archive/shot_outcome.hpp"
 #include "host/web/json/detail_json.hpp"
 
 #include <cmath>
@@ -15,17 +16,15 @@ namespace {
 using namespace strobe;
 using nlohmann::ordered_json;
 
-host::StoredShot stored(const host_test::Scenario& scenario) {
+host::Shot stored(const host_test::Scenario& scenario) {
   const auto made = host_test::make_shot(scenario);
-  host::StoredShot shot;
   host::RigFile rig;
   rig.machine_lag_s = host_test::kMachineLag_s;
+  host::Shot shot = measured_shot(made.shot, made.frame, {}, assembly_settings(rig));
   shot.rig = std::make_shared<const host::RigFile>(rig);
   shot.name = "3";
   shot.utc = "2026-01-31T09:30:00.000Z";
-  shot.summary = made.shot;
-  shot.result = measured_result(made.shot, made.frame, {}, assembly_settings(rig));
-  shot.digitizations.push_back({made.frame, false, shot.utc, "", {}, {}});
+  shot.digitizations.back().utc = shot.utc;
   return shot;
 }
 
@@ -36,7 +35,7 @@ const web::PhotographPlace kPhotograph{"/p", 2000, 1000};
 TEST_GROUP(DetailJson){};
 
 TEST(DetailJson, TellsOfEachImageWhereItIsAndHowWellItFits) {
-  const host::StoredShot shot = stored({});
+  const host::Shot shot = stored({});
   const ordered_json detail = web::detail_json(shot, "today", kPhotograph);
   const auto& frame = shot.digitizations.back().frame;
   LONGS_EQUAL(frame.images.size(), detail["images"].size());
@@ -61,16 +60,16 @@ TEST(DetailJson, TellsOfEachImageWhereItIsAndHowWellItFits) {
   CHECK_TRUE(detail["surface_px"].size() >= 2);
   CHECK_EQUAL("/p", detail["photograph"]["url"].get<std::string>());
   CHECK_TRUE(detail["budget"]["e"].is_array());
-  LONGS_EQUAL(shot.result.train.planned, detail["train"]["planned"].get<int>());
+  LONGS_EQUAL(shot.train.planned, detail["train"]["planned"].get<int>());
   CHECK_FALSE(detail["train"]["dry"].get<bool>());
 }
 
 TEST(DetailJson, SaysWhyAnImageIsNotUsed) {
-  host::StoredShot shot = stored({});
+  host::Shot shot = stored({});
   auto& frame = shot.digitizations.back().frame;
   frame.images[1].centre_y_px += 25.0;
-  shot.result = measured_result(*shot.summary, frame, {}, assembly_settings(*shot.rig));
-  CHECK_TRUE(shot.result.readout.flags.has(reduction::Flag::outlier_image));
+  host::judge_again(shot);
+  CHECK_TRUE(shot.readout.flags.has(reduction::Flag::outlier_image));
   const ordered_json detail = web::detail_json(shot, "today", kPhotograph);
   CHECK_FALSE(detail["images"][1]["used"].get<bool>());
   STRCMP_CONTAINS("left out", detail["images"][1]["why_not"].get<std::string>().c_str());
@@ -80,16 +79,9 @@ TEST(DetailJson, SaysWhyAnImageIsNotUsed) {
 }
 
 TEST(DetailJson, OfAShotWithoutAPhotographHasNoImages) {
-  host::StoredShot shot = stored({});
+  host::Shot shot = stored({});
   shot.digitizations.clear();
-  shot.result = host::unmeasured_result(
-      *shot.summary,
-      [] {
-        reduction::FlagSet flags;
-        flags.set(reduction::Flag::no_photograph);
-        return flags;
-      }(),
-      "no photograph in the log");
+  host::judge_again(shot);
   const ordered_json detail = web::detail_json(shot, "today", std::nullopt);
   LONGS_EQUAL(0, detail["images"].size());
   CHECK_TRUE(detail["photograph"].is_null());
@@ -100,7 +92,7 @@ TEST(DetailJson, OfAShotWithoutAPhotographHasNoImages) {
 }
 
 TEST(DetailJson, OfPointsDigitizedElsewhereHasThemTheRightWayUp) {
-  const host::StoredShot shot = stored({});
+  const host::Shot shot = stored({});
   const ordered_json images = web::detail_json(shot, "today", std::nullopt)["images"];
   const auto& frame = shot.digitizations.back().frame;
   for (std::size_t i = 0; i < frame.images.size(); ++i) {
@@ -112,7 +104,7 @@ TEST(DetailJson, OfPointsDigitizedElsewhereHasThemTheRightWayUp) {
 }
 
 TEST(DetailJson, OfAShotWhoseFlashesAreNotKnownUsesNoImage) {
-  host::StoredShot shot = stored({});
+  host::Shot shot = stored({});
   shot.summary.reset();
   const ordered_json detail = web::detail_json(shot, "today", kPhotograph);
   CHECK_TRUE(detail["images"].size() > 5);
@@ -120,7 +112,7 @@ TEST(DetailJson, OfAShotWhoseFlashesAreNotKnownUsesNoImage) {
 }
 
 TEST(DetailJson, GivesAngleAndSizeAsATiltedCameraShowsThem) {
-  host::StoredShot shot = stored({});
+  host::Shot shot = stored({});
   host::RigFile rig = *shot.rig;
   // column = y / 2, row = x / 2: as the corrections' test has it.
   rig.camera.map = host::CameraMap{{}, 1.0, {}, {0.0, 2.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0}};
@@ -145,7 +137,7 @@ TEST(DetailJson, GivesAngleAndSizeAsATiltedCameraShowsThem) {
 TEST_GROUP(Advice){};
 
 TEST(Advice, IsGivenOnceForEachThingToDo) {
-  host::ShotResult result;
+  host::Shot result;
   CHECK_EQUAL("", web::advice(result));
   result.readout.flags.set(reduction::Flag::overlaps_surface);
   result.readout.flags.set(reduction::Flag::outlier_surface_point);

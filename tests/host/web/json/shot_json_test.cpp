@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/assembly/assemble.hpp"
-#include "host/session/results_csv.hpp"
+#include "host/session/shot_table.hpp"
 #include "tests/host/synthetic_shot.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -13,11 +13,11 @@
 namespace {
 
 using namespace strobe;
-using host::ShotResult;
+using host::Shot;
 using nlohmann::ordered_json;
 using reduction::Quantity;
 
-ShotResult measured() {
+Shot measured() {
   auto made = host_test::make_shot({});
   made.shot.boot_id = 0x2a;
   made.shot.shot_id = 3;
@@ -26,16 +26,18 @@ ShotResult measured() {
   made.frame.source = "auto";
   host::AssemblySettings settings;
   settings.machine_lag_s = host_test::kMachineLag_s;
-  ShotResult result = host::measured_result(made.shot, made.frame, {}, settings);
+  Shot result = host::measured_shot(made.shot, made.frame, {}, settings);
   result.readout.record = {{"spin", "zero"}, {"angle_deg", "23"}, {"remarks", "<b>\"wet\"</b>,\n"}};
   return result;
 }
 
-std::string table(const std::vector<ShotResult>& results) {
+std::string table(const std::vector<Shot>& results) {
   std::string text = host::results_header() + "\n";
-  for (const ShotResult& result : results)
-    text +=
-        host::results_line(result, "2026-01-31T09:30:00.000Z", std::to_string(result.shot_id), "auto") + "\n";
+  for (Shot result : results) {
+    result.utc = "2026-01-31T09:30:00.000Z";
+    result.name = std::to_string(result.shot_id);
+    text += host::results_line(result) + "\n";
+  }
   return text;
 }
 
@@ -44,7 +46,7 @@ std::string table(const std::vector<ShotResult>& results) {
 TEST_GROUP(ShotJson){};
 
 TEST(ShotJson, OfAResultIsThatOfItsRow) {
-  ShotResult result = measured();
+  Shot result = measured();
   result.rejected = "a flash, or \"two\", late";
   result.readout.flags.set(reduction::Flag::late_flash);
   result.readout.flags.set(reduction::Flag::sensor_missing);
@@ -55,7 +57,7 @@ TEST(ShotJson, OfAResultIsThatOfItsRow) {
 }
 
 TEST(ShotJson, HasWhatAPersonAsksFirst) {
-  const ShotResult result = measured();
+  const Shot result = measured();
   const ordered_json shot = web::shot_json(web::shot_row(result, "3", "2026", "auto"), std::nullopt);
   CHECK_TRUE(shot["session"].is_null());
   CHECK_EQUAL("3", shot["name"].get<std::string>());
@@ -71,7 +73,7 @@ TEST(ShotJson, HasWhatAPersonAsksFirst) {
 }
 
 TEST(ShotJson, OfADryShotCountsForNothing) {
-  ShotResult result;
+  Shot result;
   result.dry = true;
   const ordered_json shot = web::shot_json(web::shot_row(result, "1", "", ""), "s");
   CHECK_FALSE(shot["counted"].get<bool>());
@@ -80,7 +82,7 @@ TEST(ShotJson, OfADryShotCountsForNothing) {
 }
 
 TEST(ShotJson, RowsHaveTheNamesThatTheScreenHas) {
-  ShotResult first = measured(), again = measured();
+  Shot first = measured(), again = measured();
   again.boot_id = 0x1f2e4d0000000000;
   const auto rows = web::shot_rows(host::parse_results(table({first, again, first})));
   LONGS_EQUAL(2, rows.size());  // each shot once

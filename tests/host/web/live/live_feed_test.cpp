@@ -11,8 +11,8 @@ using namespace strobe::web;
 
 namespace {
 
-host::ShotResult shot(int id, std::int64_t host = 7) {
-  host::ShotResult result;
+host::Shot shot(int id, std::int64_t host = 7) {
+  host::Shot result;
   result.shot_id = id;
   result.boot_id = 77;
   result.host_id = host;

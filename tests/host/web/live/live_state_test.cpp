@@ -14,8 +14,8 @@ using strobe_msgs::status_t;
 
 namespace {
 
-host::ShotResult shot(int id, double vx_mps) {
-  host::ShotResult result;
+host::Shot shot(int id, double vx_mps) {
+  host::Shot result;
   result.shot_id = id;
   result.boot_id = 0x2a;
   result.readout.value[reduction::Quantity::vx_td_mps] = vx_mps;

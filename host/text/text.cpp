@@ -1,0 +1,35 @@
+#include "host/text/text.hpp"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+
+namespace strobe::host {
+
+std::size_t columns(std::string_view text) {
+  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+std::string cut(std::string_view text, std::size_t width) {
+  std::string result = fmt::format("{:.{}}", text, width);
+  if (result.size() < text.size()) result = width > 0 ? fmt::format("{:.{}}…", text, width - 1) : "";
+  std::replace_if(
+      result.begin(), result.end(), [](char c) { return (c >= 0 && c < 0x20) || c == 0x7F; }, ' ');
+  return result;
+}
+
+std::string left(std::string_view text, std::size_t width) {
+  return fmt::format("{:<{}}", cut(text, width), width);
+}
+
+std::string right(std::string_view text, std::size_t width) {
+  return fmt::format("{:>{}}", cut(text, width), width);
+}
+
+std::string rounded(double value, double sd, int least) {
+  int decimals = 3;
+  if (std::isfinite(sd) && sd > 0.0) decimals = 1 - static_cast<int>(std::floor(std::log10(sd)));
+  return fmt::format("{:.{}f}", value, std::clamp(decimals, least, 6));
+}
+
+}  // namespace strobe::host
