@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "common/reduction/spin_line.hpp"
 #include "common/reduction/surface_crossing.hpp"
 #include "common/statistics/distributions.hpp"
 #include "common/units/angles.hpp"
@@ -194,80 +193,6 @@ class Uncertainty {
   return true;
 }
 
-using Response = decltype(Number::grad);
-
-/// The two whitened measurements of an image's centre, and how they change with its time.
-struct Moved {
-  ImageRows rows;
-  Eigen::Vector2d by_time;
-};
-
-Moved moved_by_time(const ShotFit& fit, const geometry::Rotation2d& tilt, const Observation& o) {
-  const JointFit& joint = fit.joint;
-  const std::size_t leg = leg_index(*o.leg);
-  Moved moved{image_rows(fit.observations, joint, tilt, o), Eigen::Vector2d::Zero()};
-  const double t = moved.rows.time_s;
-  const flight::Forcing& forcing = joint.forcing[leg];
-  const Eigen::Vector2d gained = t * (forcing.acceleration_mps2 + 0.5 * t * forcing.jerk_mps3);
-  const double* z = &joint.unknowns[kLegStart[leg]];
-  const Eigen::Vector2d velocity =
-      Eigen::Vector2d(z[2], z[3]) / joint.legs[leg].span_s + joint.unknowns[kScale] * (tilt * gained);
-  moved.by_time[0] = -moved.rows.white.first(velocity.x());
-  moved.by_time[1] = -moved.rows.white.second(velocity.x(), velocity.y());
-  return moved;
-}
-
-/// The air's errors follow what the paths do not take up of the images.
-void add_air(const ShotFit& fit, const geometry::Rotation2d& tilt, std::size_t leg, const Moved& moved,
-             const JointVector& right, Response& response) {
-  const AirFit& air = fit.air_fit;
-  std::array<double, kAirErrorCount> left{};
-  for (std::size_t p = 0; p < kAirErrorCount; ++p) {
-    const Eigen::Vector2d pull = fit.joint.unknowns[kScale] * (tilt * air.acceleration_mps2[p][leg]);
-    const Eigen::Vector2d bent = moved.rows.moved_by(pull);
-    left[p] = bent.x() * moved.by_time[0] + bent.y() * moved.by_time[1] + dot(air.response[p], right);
-  }
-  for (std::size_t p = 0; p < kAirErrorCount; ++p) {
-    for (std::size_t q = 0; q < kAirErrorCount; ++q)
-      response[kAir + p] += (air.by_noise[p][q] + air.by_prior[p][q]) * left[q];
-  }
-}
-
-void add_spin(const ShotFit& fit, std::size_t leg, std::vector<Response>& all) {
-  const auto& spin = fit.spin[leg];
-  if (!spin) return;
-  SpinLine line;
-  for (const EquatorReading& r : fit.equators[leg]) line.add(r.time_s, 0.0, weight(r, spin->omega_radps));
-  for (const EquatorReading& r : fit.equators[leg]) {
-    const double lever = weight(r, spin->omega_radps) * (r.time_s - line.mean_x()) / line.moment();
-    all[r.index][kSpin[leg]] = -lever * spin->omega_radps;
-  }
-}
-
-/// Of each image, in the observations' order: the derivatives of the variables of Number by its time. [1/s]
-///
-/// An image whose flash came later by dt is one that lies v dt nearer, and is turned omega dt less: the fit
-/// answers as to noise of the image, x by the covariance times J^T W v, spin and the air's errors likewise.
-/// Left out are products with residuals, and what the spin's change does to the lift: a thousandth of it.
-/// Source: Gauss-Newton's step, e.g. Bjorck, Numerical Methods for Least Squares Problems, 9.2.
-std::vector<Response> time_response(const ShotFit& fit) {
-  std::vector<Response> all(fit.observations.images.size(), Response{});
-  const geometry::Rotation2d tilt = tilt_of(fit.joint);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const Observation& o = fit.observations.images[i];
-    if (!o.use_centre || !fit.joint.legs[leg_index(*o.leg)].fitted) continue;
-    const std::size_t leg = leg_index(*o.leg);
-    const Moved moved = moved_by_time(fit, tilt, o);
-    JointVector right{};
-    moved.rows.add_gradient(leg, moved.by_time, right);
-    const JointVector unknowns = fit.joint.factor.unknowns(fit.joint.factor.whitened(right));
-    std::copy(unknowns.begin(), unknowns.end(), all[i].begin());
-    add_air(fit, tilt, leg, moved, right, all[i]);
-  }
-  for (std::size_t leg = 0; leg < 2; ++leg) add_spin(fit, leg, all);
-  return all;
-}
-
 class Propagation {
  public:
   Propagation(const ShotFit& fit, bool by_time, Readout& readout)
@@ -403,7 +328,7 @@ class Propagation {
   const ShotFit& fit_;
   Readout& readout_;
   Uncertainty uncertainty_;
-  std::vector<decltype(Number::grad)> time_response_;  ///< empty unless asked for
+  std::vector<Response> time_response_;  ///< empty unless asked for
   std::array<std::optional<SurfaceCrossing>, 2> crossing_;
   std::array<std::optional<Number>, 2> omega_;
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "common/reduction/shot_fit.hpp"
 
@@ -91,6 +92,7 @@ inline constexpr std::size_t kDiameter = kJointCount + 2;
 inline constexpr std::size_t kDecay = kJointCount + 3;
 inline constexpr std::size_t kAir = kJointCount + 4;  // the first of AirErrors
 using Number = Dual<kAir + kAirErrorCount>;
+using Response = decltype(Number::grad);
 
 /// A leg where its centre is one radius above the surface, in the surface's axes.
 struct SurfaceCrossing {
@@ -108,5 +110,14 @@ flight::Flight flight_of(const ShotFit& fit, std::size_t leg);
 
 /// Returns nullopt if the leg is not fitted, or does not meet the surface in its direction.
 std::optional<SurfaceCrossing> crossing(const ShotFit& fit, std::size_t leg);
+
+/// How a fit follows its images' times, to first order: of each image, in the observations' order, the
+/// derivatives of the variables of Number by its time. [1/s]
+///
+/// An image whose flash came later by dt is one that lies v dt nearer, and is turned omega dt less: the fit
+/// answers as to noise of the image, x by the covariance times J^T W v, spin and the air's errors likewise.
+/// Left out are products with residuals, and what the spin's change does to the lift: a thousandth of it.
+/// Source: Gauss-Newton's step, e.g. Bjorck, Numerical Methods for Least Squares Problems, 9.2.
+std::vector<Response> time_response(const ShotFit& fit);
 
 }  // namespace strobe::reduction

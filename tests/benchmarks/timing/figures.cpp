@@ -4,14 +4,16 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <filesystem>
 #include <stdexcept>
 
 #include "host/figures/svg.hpp"
 #include <string_view>
+
+#include "host/figures/svg.hpp"
 
 namespace strobe::benchmarks::timing {
 namespace {
