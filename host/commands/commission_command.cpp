@@ -110,7 +110,7 @@ void add_commission_command(CLI::App& app, int& exit_status) {
   CLI::App* command =
       app.add_subcommand("commission", "Prove a rig, step by step; each step says what to do");
   add_options(*command, *options);
-  command_line::for_experts(*command, {"--effort", "--lcm-url", "--key-file", "--sessions", "--web-files"});
+  command_line::for_experts(*command, {"--effort", "--lcm-url", "--key-file", "--sessions"});
   command->footer(
       "Each step says what will move before it moves, waits for your yes, and passes or fails with a number. "
       "Ctrl-C disarms and keeps what is done; run again, it goes on where it stopped. The page of --web "

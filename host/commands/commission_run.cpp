@@ -19,7 +19,7 @@
 #include "host/messages/lcm_link.hpp"
 #include "host/session/run_lock.hpp"
 #include "host/session/session_folder.hpp"
-#include "host/web/commission/commission_routes.hpp"
+#include "host/web/commission.hpp"
 
 namespace strobe::host {
 namespace {

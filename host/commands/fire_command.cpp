@@ -263,7 +263,7 @@ void add_fire_command(CLI::App& app, int& exit_status) {
        {"--shots", "--until", "--spin", "--angle", "--note", "--plan", "--spacing", "--dry"})
     resume->excludes(command->get_option(asked));
   command_line::for_experts(*command, {"--spacing", "--effort", "--lcm-url", "--key-file", "--wait",
-                                       "--clear-fault", "--all", "--sessions", "--web-files"});
+                                       "--clear-fault", "--all", "--sessions"});
   command->footer(
       "Ctrl-C finishes the shot under way and ends; a second one aborts it. Ctrl-\\ aborts it at once.\n"
       "Example: strobe fire --rig rig.toml --session run1 --shots 9 --spin zero --angle 23 --note "

@@ -8,7 +8,7 @@
 #include "host/commands/shot_text.hpp"
 #include "host/loop/series_runner.hpp"
 #include "host/messages/lcm_link.hpp"
-#include "host/web/commission/commission_routes.hpp"
+#include "host/web/commission.hpp"
 
 namespace strobe::host {
 namespace {

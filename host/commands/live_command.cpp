@@ -17,7 +17,7 @@
 #include "host/loop/host_loop.hpp"
 #include "host/messages/lcm_link.hpp"
 #include "host/view/timing.hpp"
-#include "host/web/commission/commission_routes.hpp"
+#include "host/web/commission.hpp"
 
 namespace strobe::host {
 namespace {
@@ -196,7 +196,7 @@ void add_live_command(CLI::App& app, int& exit_status) {
       ->check(CLI::Range(0.0, 1e6));
   add_web_options(*command, options->web);
   command_line::for_experts(*command, {"--effort", "--lcm-url", "--key-file", "--timing", "--idle-exit",
-                                       "--unverified", "--all", "--sessions", "--web-files"});
+                                       "--unverified", "--all", "--sessions"});
   command->footer(
       "Example: strobe live --rig rig.toml --web\n         strobe live --rig rig.toml --json --shots 9 > "
       "readouts.jsonl");

@@ -5,11 +5,10 @@
 #include <filesystem>
 #include <utility>
 
-#include "host/web/archive/archive_routes.hpp"
-#include "host/web/editing/editing_routes.hpp"
-#include "host/web/http/listen_address.hpp"
+#include "host/web/archive_routes.hpp"
+#include "host/web/editing.hpp"
 #include "host/web/http/page_server.hpp"
-#include "host/web/live/live_routes.hpp"
+#include "host/web/live_state.hpp"
 
 namespace strobe::host {
 
@@ -40,8 +39,7 @@ web::SessionStoreSettings store_settings(const WebOptions& options, const WebSet
 /// In the order in which they depend on each other.
 struct WebPage::Parts {
   Parts(const WebOptions& options, const WebSetup& setup, const RigFile& rig)
-      : state({setup.program, setup.version, rig.rig, session_of(setup), true, setup.condition}, channel,
-              hub),
+      : state({setup.program, setup.version, rig.rig, session_of(setup), setup.condition}, channel, hub),
         archive(store_settings(options, setup)),
         editing(archive, hub) {
     web::add_live_routes(router, state);
@@ -85,10 +83,6 @@ void add_web_options(CLI::App& command, WebOptions& options) {
           "--sessions", options.sessions,
           "the folder whose sessions the page shows (default: that of --session, else the current one)")
       ->check(CLI::ExistingDirectory);
-  command
-      .add_option("--web-files", options.files_folder,
-                  "read the page's files from this folder, to work on them")
-      ->check(CLI::ExistingDirectory);
 }
 
 Result<std::unique_ptr<WebPage>> WebPage::open(const WebOptions& options, const WebSetup& setup,
@@ -98,8 +92,7 @@ Result<std::unique_ptr<WebPage>> WebPage::open(const WebOptions& options, const 
   if (!where) return fail("--web: " + where.error().message);
   auto parts = std::make_unique<Parts>(options, setup, rig);
   if (more) more(parts->router, parts->hub);
-  auto server = web::PageServer::open({where->address, where->port, options.files_folder, {}}, parts->router,
-                                      parts->hub);
+  auto server = web::PageServer::open({*where}, parts->router, parts->hub);
   if (!server) return fail("--web: " + server.error().message);
   parts->server = std::move(*server);
   return std::unique_ptr<WebPage>(new WebPage(std::move(parts)));

@@ -15,7 +15,7 @@
 #include "host/view/render.hpp"
 #include "host/web/http/event_hub.hpp"
 #include "host/web/http/router.hpp"
-#include "host/web/live/live_feed.hpp"
+#include "host/web/live_feed.hpp"
 
 namespace CLI {
 class App;
@@ -25,12 +25,11 @@ namespace strobe::host {
 
 struct WebOptions {
   bool on = false;
-  std::string where;         ///< ADDRESS:PORT as typed; may be empty
-  std::string sessions;      ///< the folder whose sessions are shown; empty: the command's own choice
-  std::string files_folder;  ///< of the page's files; empty: those built in
+  std::string where;     ///< ADDRESS:PORT as typed; may be empty
+  std::string sessions;  ///< the folder whose sessions are shown; empty: the command's own choice
 };
 
-/// Adds --web and, for experts, --sessions and --web-files.
+/// Adds --web and, for experts, --sessions.
 void add_web_options(CLI::App& command, WebOptions& options);
 
 /// What the page is told of the command.

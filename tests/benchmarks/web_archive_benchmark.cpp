@@ -8,7 +8,7 @@
 #include "common/authentication/key_file.hpp"
 #include "host/archive/read_session.hpp"
 #include "host/archive/shot_outcome.hpp"
-#include "host/web/archive/archive_routes.hpp"
+#include "host/web/archive_routes.hpp"
 #include "tests/host/archive/written_session.hpp"
 #include "tests/support/temporary_folder.hpp"
 

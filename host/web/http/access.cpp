@@ -2,20 +2,17 @@
 
 #include <arpa/inet.h>
 #include <sodium.h>
+#include <strings.h>
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <utility>
-
-#include "host/web/http/target.hpp"
 
 namespace strobe::web {
 namespace {
 
 bool equal_without_case(std::string_view a, std::string_view b) {
-  return std::ranges::equal(
-      a, b, [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+  return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -24,22 +21,16 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// "[::1]:8650" → "::1"; without the port, which a forwarded one may differ from. Nothing: it is no host.
-std::optional<std::string> name_of(std::string_view host) {
-  const std::size_t end = host.starts_with('[') ? host.find(']') : host.find(':');
-  std::string_view rest;
-  std::string_view name = host.substr(0, end);
-  if (host.starts_with('[')) {
-    if (end == host.npos) return std::nullopt;
-    name.remove_prefix(1);
-    rest = host.substr(end + 1);
-  } else if (end != host.npos) {
-    rest = host.substr(end);
-  }
-  const bool port = rest.empty() || (rest.size() <= 6 && rest[0] == ':' &&
-                                     rest.find_first_not_of("0123456789", 1) == rest.npos);
-  if (name.empty() || !port) return std::nullopt;
-  return std::string(name);
+/// "[::1]:8650" → "::1"; without the port, which a forwarded one may differ from. Empty: it is no host.
+std::string name_of(std::string_view host) {
+  const bool bracketed = host.starts_with('[');
+  const std::size_t end = std::min(host.find(bracketed ? ']' : ':'), host.size());
+  if (bracketed && end == host.size()) return "";
+  const std::string_view rest = host.substr(end + (bracketed ? 1 : 0));
+  const bool has_port =
+      rest.starts_with(':') && rest.size() <= 6 && rest.find_first_not_of("0123456789", 1) == rest.npos;
+  return rest.empty() || has_port ? std::string(host.substr(bracketed ? 1 : 0, end - (bracketed ? 1 : 0)))
+                                  : "";
 }
 
 bool is_address(const std::string& name) {
@@ -71,39 +62,37 @@ Hash hash_of(std::string_view text) {
 Access::Access(AccessSettings settings)
     : settings_(std::move(settings)), cookie_("strobe_" + std::to_string(settings_.port)) {}
 
-std::optional<Refusal> Access::check(const RequestHead& head) const {
+std::optional<Response> Access::check(const RequestHead& head) const {
   if (auto refused = check_site(head)) return refused;
   if (head.method != "GET" && head.method != "HEAD" && head.method != "POST")
-    return Refusal{405, "only GET, HEAD and POST"};
+    return error_response(405, "only GET, HEAD and POST");
   if (!has_secret(head))
-    return Refusal{
-        401, "open the address that strobe printed, with its secret, or send it as Authorization: Bearer"};
+    return error_response(
+        401, "open the address that strobe printed, with its secret, or send it as Authorization: Bearer");
   if (head.method == "POST") {
     const std::string_view type = head.content_type.value_or("");
     if (!equal_without_case(trimmed(type.substr(0, type.find(';'))), "application/json"))
-      return Refusal{415, "Content-Type must be application/json"};
+      return error_response(415, "Content-Type must be application/json");
   }
   return std::nullopt;
 }
 
-std::optional<Refusal> Access::check_site(const RequestHead& head) const {
-  if (head.hosts.size() != 1) return Refusal{400, "one Host is needed"};
+std::optional<Response> Access::check_site(const RequestHead& head) const {
+  if (head.hosts.size() != 1) return error_response(400, "one Host is needed");
   const std::string_view host = trimmed(head.hosts[0]);
-  if (!is_own_host(host)) return Refusal{403, "this Host is not served here"};
+  if (!is_own_host(host)) return error_response(403, "this Host is not served here");
   if (head.origin && !equal_without_case(trimmed(*head.origin), "http://" + std::string(host)))
-    return Refusal{403, "another site's pages may not ask"};
+    return error_response(403, "another site's pages may not ask");
   const bool foreign = head.fetch_site && *head.fetch_site != "same-origin" && *head.fetch_site != "none";
-  if (foreign && !asks_for_page(head)) return Refusal{403, "another site's pages may not ask"};
+  if (foreign && !asks_for_page(head)) return error_response(403, "another site's pages may not ask");
   return std::nullopt;
 }
 
 /// A name that a stranger's name server gives this machine's address to is not its own.
 bool Access::is_own_host(std::string_view host) const {
-  const auto name = name_of(host);
-  if (!name) return false;
-  if (is_loopback(*name)) return true;
-  if (settings_.loopback_only) return false;
-  return is_address(*name) || (!settings_.machine.empty() && equal_without_case(*name, settings_.machine));
+  const std::string name = name_of(host);
+  if (name.empty() || settings_.loopback_only || is_loopback(name)) return is_loopback(name);
+  return is_address(name) || (!settings_.machine.empty() && equal_without_case(name, settings_.machine));
 }
 
 bool Access::has_secret(const RequestHead& head) const {
@@ -117,7 +106,7 @@ bool Access::has_secret(const RequestHead& head) const {
   std::string_view rest = head.cookie.value_or("");
   while (!rest.empty()) {
     const std::string_view pair = trimmed(rest.substr(0, rest.find(';')));
-    rest.remove_prefix(std::min(rest.size(), rest.find(';') == rest.npos ? rest.size() : rest.find(';') + 1));
+    rest.remove_prefix(std::min(rest.size() - 1, rest.find(';')) + 1);
     if (pair.starts_with(cookie_ + "=") && is_secret(pair.substr(cookie_.size() + 1))) return true;
   }
   return false;

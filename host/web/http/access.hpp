@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "host/web/http/message.hpp"
+
 namespace strobe::web {
 
 /// Of a request, before its body is read. The views are of the connection's buffer.
@@ -27,23 +29,19 @@ struct AccessSettings {
   std::uint16_t port = 0;     ///< in the cookie's name, since browsers do not keep ports apart
 };
 
-struct Refusal {
-  int status = 403;  ///< 400, 401, 403, 405 or 415
-  std::string_view words;
-};
-
 class Access {
  public:
   explicit Access(AccessSettings settings);
 
-  /// Nothing: the request is answered. Order of checks: Host, Origin, method, secret, content type.
-  std::optional<Refusal> check(const RequestHead& head) const;
+  /// A refusal of status 400, 401, 403, 405 or 415; absent: the request is answered. Order of checks: Host, Origin, method,
+  /// secret, content type.
+  std::optional<Response> check(const RequestHead& head) const;
   /// Of the page opened with the right secret in its address: the cookie to be set, before the page is opened without it.
-  /// Only for a request whose Host and Origin are right; nothing: it is no such request.
+  /// Only for a request whose Host and Origin are right; absent: it is no such request.
   std::optional<std::string> cookie_for(const RequestHead& head) const;
 
  private:
-  std::optional<Refusal> check_site(const RequestHead& head) const;
+  std::optional<Response> check_site(const RequestHead& head) const;
   bool is_own_host(std::string_view host) const;
   bool has_secret(const RequestHead& head) const;
   bool is_secret(std::string_view given) const;

@@ -2,10 +2,11 @@
 
 #include <boost/asio/post.hpp>
 #include <boost/asio/write.hpp>
+#include <cassert>
 #include <charconv>
 #include <utility>
 
-#include "host/web/http/answer.hpp"
+#include "host/web/http/message.hpp"
 
 namespace strobe::web {
 namespace {
@@ -46,6 +47,7 @@ void Connection::start() {
 
 void Connection::close() {
   if (std::exchange(closed_, true)) return;
+  assert(!streaming_ || services_.viewers > 0);
   if (streaming_) --services_.viewers;
   error_code error;
   deadline_.cancel();
@@ -95,8 +97,6 @@ void Connection::on_head() {
   auto verdict = services_.gate.on_head(head);
   if (const auto* refused = std::get_if<Response>(&verdict)) return respond(*refused, false);
   trusted_ = true;
-  if (const auto* welcome = std::get_if<Welcome>(&verdict))
-    return write(welcome_head(welcome->cookie), nullptr, false);
   admitted_ = std::move(std::get<Admitted>(verdict));
   admitted_->request.from = address_;
   if (admitted_->events) seen_ = seen_by(head, admitted_->request);
@@ -115,6 +115,7 @@ void Connection::on_request() {
   if (admitted_->file) return respond(*admitted_->file, keep_alive);
   if (admitted_->found.work == Work::slow) return work(services_.worker);
   if (admitted_->found.work == Work::waits) return work(services_.waiter);
+  if (admitted_->found.work == Work::lasts) return work(services_.maker);
   respond(Router::answer(admitted_->found, admitted_->request), keep_alive);
 }
 
@@ -181,6 +182,7 @@ void Connection::stream() {
 }
 
 void Connection::write_events(std::string text) {
+  assert(streaming_ && !writing_);
   writing_ = true;
   head_ = std::move(text);
   set_deadline(services_.patience.write);

@@ -11,7 +11,7 @@
 #include "host/web/http/event_hub.hpp"
 #include "host/web/http/gate.hpp"
 #include "host/web/http/intake.hpp"
-#include "host/web/http/limits.hpp"
+#include "host/web/http/page_server.hpp"
 #include "host/web/http/worker.hpp"
 
 namespace strobe::web {
@@ -23,8 +23,7 @@ struct Services {
   boost::asio::io_context& io;
   const Gate& gate;
   EventHub& hub;
-  Worker& worker;  ///< of slow work
-  Worker& waiter;  ///< of work that waits
+  Worker &worker, &waiter, &maker;  ///< of work that is slow, that waits, that lasts
   Patience patience;
   std::size_t max_viewers;  ///< of the event stream
   std::size_t viewers = 0;

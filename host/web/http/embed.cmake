@@ -16,7 +16,7 @@ endforeach()
 file(WRITE ${OUT} "#include <array>
 #include <span>
 
-#include \"host/web/http/files.hpp\"
+#include \"host/web/http/gate.hpp\"
 
 namespace strobe::web {
 

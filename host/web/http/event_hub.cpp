@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <chrono>
 #include <utility>
 
@@ -22,6 +23,7 @@ void EventHub::publish(std::string_view event, std::string json) {
       kept_.pop_front();
       ++oldest_;
     }
+    assert(next_id_ - oldest_ == static_cast<std::int64_t>(kept_.size()));
   }
   const std::lock_guard lock(wake_mutex_);
   if (wake_) wake_();

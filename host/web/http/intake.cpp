@@ -3,9 +3,10 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
+#include <cassert>
 #include <optional>
 
-#include "host/web/http/request.hpp"
+#include "host/web/http/message.hpp"
 
 namespace strobe::web {
 namespace {
@@ -79,6 +80,7 @@ Intake::State Intake::step() {
 }
 
 RequestHead Intake::head() const {
+  assert(parser_->request.is_header_done());
   const auto& fields = parser_->request.get();
   RequestHead head;
   head.method = view_of(fields.method_string());
@@ -104,7 +106,10 @@ bool Intake::expects_continue() const {
   return expects && expects->size() == 12 && (*expects)[0] == '1' && parser_->request.get().version() >= 11;
 }
 
-std::string Intake::take_body() { return std::move(parser_->request.get().body()); }
+std::string Intake::take_body() {
+  assert(state_ == State::complete);
+  return std::move(parser_->request.get().body());
+}
 
 void Intake::next() {
   parser_ = std::make_unique<Parser>();

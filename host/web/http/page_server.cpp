@@ -1,5 +1,6 @@
 #include "host/web/http/page_server.hpp"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -11,13 +12,12 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <regex>
 #include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "host/web/http/answer.hpp"
-#include "host/web/http/background.hpp"
 #include "host/web/http/connection.hpp"
 
 namespace strobe::web {
@@ -43,9 +43,9 @@ AccessSettings access_settings(const net::ip::address& address, std::uint16_t po
   return {address.is_loopback(), machine_name(), std::move(secret), port};
 }
 
-Error cannot(const ServerSettings& settings, const std::string& why) {
-  const char* const colons = settings.address.find(':') == std::string::npos ? "{}:{}: {}" : "[{}]:{}: {}";
-  return {fmt::format(fmt::runtime(colons), settings.address, settings.port, why)};
+tl::unexpected<Error> cannot(const ListenAddress& where, const std::string& why) {
+  const char* const colons = where.address.find(':') == std::string::npos ? "{}:{}: {}" : "[{}]:{}: {}";
+  return fail(fmt::format(fmt::runtime(colons), where.address, where.port, why));
 }
 
 }  // namespace
@@ -57,16 +57,17 @@ class PageServer::Implementation {
       : acceptor_(io_, wanted),
         endpoint_(acceptor_.local_endpoint()),
         secret_(std::move(secret)),
-        gate_(Access(access_settings(endpoint_.address(), endpoint_.port(), secret_)), router,
-              settings.files_folder.empty() ? Files() : Files(settings.files_folder)),
+        gate_(Access(access_settings(endpoint_.address(), endpoint_.port(), secret_)), router),
         hub_(hub),
         worker_(settings.limits.slow_requests),
         waiter_(settings.limits.slow_requests),
+        maker_(settings.limits.slow_requests),
         services_{io_,
                   gate_,
                   hub,
                   worker_,
                   waiter_,
+                  maker_,
                   settings.limits.patience,
                   settings.limits.viewers,
                   0,
@@ -83,8 +84,7 @@ class PageServer::Implementation {
 
   bool end() {
     if (!thread_.joinable()) return work_ended_;
-    const bool waited = waiter_.end();
-    work_ended_ = worker_.end() && waited;
+    for (Worker* worker : {&waiter_, &worker_, &maker_}) work_ended_ = worker->end() && work_ended_;
     hub_.publish("end", "{}");
     net::post(io_, [this] {
       error_code error;
@@ -115,7 +115,7 @@ class PageServer::Implementation {
       if (!acceptor_.is_open()) return;
       if (!error) {
         close_on_exec(socket.native_handle());
-        take_in(std::move(socket));
+        add(std::move(socket));
       }
       if (error == error_code(EMFILE, boost::system::system_category()) ||
           error == error_code(ENFILE, boost::system::system_category()))
@@ -131,7 +131,7 @@ class PageServer::Implementation {
     });
   }
 
-  void take_in(tcp::socket socket) {
+  void add(tcp::socket socket) {
     if (connections_.size() >= max_connections_ && !make_room()) {
       error_code ignored;
       socket.non_blocking(true, ignored);
@@ -207,7 +207,7 @@ class PageServer::Implementation {
   std::string secret_;
   Gate gate_;
   EventHub& hub_;
-  Worker worker_, waiter_;
+  Worker worker_, waiter_, maker_;
   Services services_;
   std::size_t max_connections_;
   std::vector<std::shared_ptr<Connection>> connections_;  // the oldest first
@@ -217,18 +217,41 @@ class PageServer::Implementation {
   std::thread thread_;
 };
 
+Result<ListenAddress> parse_listen_address(std::string_view text) {
+  const auto wrong = [text] {
+    return fail(fmt::format("\"{}\" is not ADDRESS:PORT, such as 127.0.0.1:8650 or [::1]:8650", text));
+  };
+  if (text.empty()) return ListenAddress{};
+  static const std::regex kForm(R"((?:\[(.*)\]|(localhost|[0-9]+\.[0-9.]+))?(:?)([0-9]{1,5})?)");
+  std::cmatch match;
+  if (!std::regex_match(text.data(), text.data() + text.size(), match, kForm)) return wrong();
+  const bool has_address = match[1].matched || match[2].matched, has_port = match[4].matched;
+  if ((match[3].length() > 0) != (has_address && has_port)) return wrong();
+  ListenAddress where;
+  if (has_address) {
+    in6_addr address{};
+    where.address = match[1].matched          ? match[1].str()
+                    : match[2] == "localhost" ? "127.0.0.1"
+                                              : match[2].str();
+    if (inet_pton(match[1].matched ? AF_INET6 : AF_INET, where.address.c_str(), &address) != 1)
+      return wrong();
+  }
+  if (has_port && std::stoul(match[4]) > 65535) return wrong();
+  if (has_port) where.port = static_cast<std::uint16_t>(std::stoul(match[4]));
+  return where;
+}
+
 Result<std::unique_ptr<PageServer>> PageServer::open(const ServerSettings& settings, const Router& router,
                                                      EventHub& hub) try {
   error_code error;
-  const auto address = net::ip::make_address(settings.address, error);
-  if (error) return tl::unexpected(cannot(settings, "not an address in figures, such as 127.0.0.1"));
+  const auto address = net::ip::make_address(settings.where.address, error);
+  if (error) return cannot(settings.where, "not an address in figures, such as 127.0.0.1");
   std::string secret = address.is_loopback() ? "" : random_secret();
-  if (!address.is_loopback() && secret.empty())
-    return tl::unexpected(cannot(settings, "libsodium cannot be started"));
+  if (!address.is_loopback() && secret.empty()) return cannot(settings.where, "libsodium cannot be started");
   return std::unique_ptr<PageServer>(new PageServer(std::make_unique<Implementation>(
-      settings, tcp::endpoint(address, settings.port), std::move(secret), router, hub)));
+      settings, tcp::endpoint(address, settings.where.port), std::move(secret), router, hub)));
 } catch (const boost::system::system_error& error) {
-  return tl::unexpected(cannot(settings, error.code().message()));
+  return cannot(settings.where, error.code().message());
 }
 
 PageServer::PageServer(std::unique_ptr<Implementation> implementation)

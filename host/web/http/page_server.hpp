@@ -6,22 +6,49 @@
 // what is malformed 400.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "common/result.hpp"
 #include "host/web/http/event_hub.hpp"
-#include "host/web/http/limits.hpp"
 #include "host/web/http/router.hpp"
 
 namespace strobe::web {
 
-struct ServerSettings {
+/// Where the page is served.
+struct ListenAddress {
   std::string address = "127.0.0.1";  ///< IPv4 or IPv6, in figures
   std::uint16_t port = 8650;          ///< 0: any that is free
-  std::string files_folder;           ///< the page's files are read from there; empty: those built in
-  Limits limits;
+
+  bool operator==(const ListenAddress&) const = default;
+};
+
+/// "ADDRESS:PORT", one of the two, or nothing: what is left out is the default. An address is in figures, that of IPv6 in
+/// brackets; "localhost" is 127.0.0.1. Port 0: any that is free. Fails with what was given and an example.
+Result<ListenAddress> parse_listen_address(std::string_view text);
+
+/// How long a viewer may take.
+struct Patience {
+  std::chrono::milliseconds first_request{5000};  ///< from connecting to a whole request
+  std::chrono::milliseconds request{10000};       ///< from a later request's first byte to its last
+  std::chrono::milliseconds idle{60000};          ///< between requests
+  std::chrono::milliseconds write{10000};         ///< to read an answer, or a part of the event stream
+};
+
+struct Limits {
+  std::size_t connections = 200;
+  std::size_t viewers = 20;        ///< of the event stream
+  std::size_t slow_requests = 16;  ///< that wait, of each worker
+  Patience patience;
+};
+
+struct ServerSettings {
+  ListenAddress where;
+  Limits limits{};
 };
 
 class PageServer {

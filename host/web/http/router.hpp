@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/web/http/request.hpp"
+#include "host/web/http/message.hpp"
 
 namespace strobe::web {
 
@@ -14,6 +14,7 @@ enum class Work {
   quick,  ///< on the network's thread: microseconds
   slow,   ///< on the worker's thread; when too much waits for it, the answer is 503
   waits,  ///< likewise on a worker of its own, which slow work does not hold up: a second at most
+  lasts,  ///< likewise, of which nobody else waits for the end: a minute or more
 };
 
 class Router {

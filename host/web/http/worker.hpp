@@ -1,4 +1,5 @@
-// A background thread that does one job after the other, from a queue of limited length. Thread-safe.
+// Threads whose work can wait, since the host's own comes first; one does one job after the other, from a queue of limited
+// length. Thread-safe.
 #pragma once
 
 #include <condition_variable>
@@ -6,8 +7,13 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <thread>
 
 namespace strobe::web {
+
+/// A thread that the scheduler prefers others to (SCHED_BATCH, niceness 10) and that no signal interrupts. name: at most 15
+/// characters. What throws ends the thread's work, not the program.
+std::thread background_thread(const char* name, std::function<void()> work);
 
 class Worker {
  public:

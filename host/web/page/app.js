@@ -1,10 +1,8 @@
 // Starts the page: bar, tabs, and the view that the address names.
 import { Live } from "./live/live.js";
-import { announce } from "./parts/announcer.js";
-import { fill, h } from "./parts/dom.js";
+import { announce, fill, h, list, setAttributes } from "./parts/dom.js";
 import { RigBar } from "./parts/rig_bar.js";
-import { applyTheme, themeChoice } from "./parts/theme.js";
-import { parseRoute, routeTo, VIEWS } from "./words/routes.js";
+import { parseRoute, routeTo, titleOf, VIEWS } from "./words/routes.js";
 import { announcement } from "./words/shots.js";
 import { commissionView } from "./views/commission_view.js";
 import { compareView } from "./views/compare_view.js";
@@ -28,7 +26,6 @@ const live = new Live();
 const main = document.getElementById("main");
 let leave = new AbortController();
 
-applyTheme();
 new RigBar(document.getElementById("bar"), live);
 showTabs();
 document.querySelector(".skip").addEventListener("click", (event) => {
@@ -42,10 +39,8 @@ for (const kind of ["live", "status"]) live.addEventListener(kind, showTitle);
 live.start();
 
 function showTabs() {
-  const links = VIEWS.map(({ name, title }) =>
-    h("li", {}, h("a", { href: routeTo(name), "data-view": name }, title)),
-  );
-  fill(document.getElementById("tabs"), h("ul", {}, links), themeChoice());
+  const tabs = VIEWS.map((view) => h("a", { href: routeTo(view), "data-view": view }, titleOf(view)));
+  fill(document.getElementById("tabs"), list(null, tabs));
 }
 
 /// Of the address, or what the host is about.
@@ -56,9 +51,8 @@ function routeNow() {
 
 /// The name of the window, seen also where another one is in front.
 function showTitle() {
-  const { title } = VIEWS.find(({ name }) => name === routeNow().view);
   const danger = live.status?.danger ? "DANGER – " : "";
-  document.title = `${danger}${title} – ${live.state?.rig || "strobe"}`;
+  document.title = `${danger}${titleOf(routeNow().view)} – ${live.state?.rig || "strobe"}`;
 }
 
 /// A view is a function of (element, {live, route, signal}); it undoes what it set up when the signal is aborted.
@@ -69,10 +63,8 @@ function show(moved) {
   leave = new AbortController();
   main.replaceChildren();
   main.className = `view-${route.view}`;
-  for (const link of document.querySelectorAll("#tabs a")) {
-    if (link.dataset.view === route.view) link.setAttribute("aria-current", "page");
-    else link.removeAttribute("aria-current");
-  }
+  for (const link of document.querySelectorAll("#tabs a"))
+    setAttributes(link, { "aria-current": link.dataset.view === route.view && "page" });
   showTitle();
   OPEN[route.view](main, { live, route, signal: leave.signal });
   if (!moved) return;

@@ -5,18 +5,16 @@
 //   shown.editing          whether it is being corrected
 //   shown.unsaved()        whether leaving would lose sight of corrections (they are kept in this tab)
 //   shown.destroy()
-import { hasDraft } from "./edit/draft.js";
-import { mountEditor } from "./edit/mount.js";
+import { hasDraft } from "./edit/host.js";
+import { mountEditor } from "./edit/editor.js";
+import { getJson, path } from "./live/api.js";
 import { fill, h } from "./parts/dom.js";
-import { button } from "./photograph/controls.js";
-import { enlargement, firstTime, hatchedPlaces, inTime, millimetresPerPx } from "./photograph/geometry.js";
-import { createLegend } from "./photograph/legend.js";
+import { button, createLegend, createPanel, createTools } from "./photograph/beside.js";
+import {
+  enlargement, firstTime, hatchedPlaces, imageAt, inTime, millimetresPerPx,
+} from "./photograph/geometry.js";
 import { createMarks } from "./photograph/marks.js";
-import { createPanel } from "./photograph/panel.js";
 import { createStage } from "./photograph/stage.js";
-import { createChooser } from "./photograph/chooser.js";
-import { createTools } from "./photograph/tools.js";
-import { createUnmeasured } from "./photograph/unmeasured.js";
 
 export function mountPhotograph(element, options) {
   if (options.detail.photograph) return new PhotographView(element, options);
@@ -131,4 +129,69 @@ class PhotographView {
     this.stage.destroy();
     fill(this.element);
   }
+}
+
+const REACH_PX = 22;
+
+export function createChooser({ stage, marks, items, places, chosen, choose }) {
+  /// Images first: places lie behind them.
+  function keyAt(at) {
+    const p = stage.photoPoint(at);
+    const reach = REACH_PX / stage.view().scale;
+    const list = items();
+    const image = imageAt(list.map((item) => item.image), p, reach);
+    if (image >= 0) return list[image].key;
+    const place = imageAt(places(), p, reach);
+    return place < 0 ? null : `place-${place}`;
+  }
+
+  stage.element.addEventListener("focusin", (event) => {
+    const key = marks.keyOf(event.target);
+    const image = items().find((item) => item.key === key)?.image;
+    if (image && event.target.matches(":focus-visible")) stage.reveal(image.centre_px);
+  });
+
+  return {
+    begin: () => null,
+    click(at) {
+      const key = keyAt(at);
+      choose(key);
+      if (key) marks.focus(key);
+      return true;
+    },
+    key(event) {
+      const key = marks.keyOf(event.target);
+      if (event.key === "Escape" && chosen()) choose(null);
+      else if (key && (event.key === "Enter" || event.key === " ")) choose(key === chosen() ? null : key);
+      else return false;
+      return true;
+    },
+  };
+}
+
+export function createUnmeasured({ session, shot, changed }) {
+  let places = [];
+  const asking = button("What was not measured", ask);
+
+  async function ask() {
+    asking.disabled = true;
+    asking.textContent = "Asking …";
+    try {
+      ({ unmeasured: places } = await getJson(path("sessions", session, "shots", shot, "unmeasured")));
+      asking.textContent = places.length > 0 ? "What was not measured" : "Nothing was left out";
+    } catch (error) {
+      asking.textContent = `Not told: ${error.message}. Ask again`;
+      asking.disabled = false;
+    }
+    changed();
+  }
+
+  return {
+    button: asking,
+    places: () => places,
+    /// Whether it is of use: not once it is known.
+    offer(whether) {
+      asking.hidden = !whether || places.length > 0;
+    },
+  };
 }

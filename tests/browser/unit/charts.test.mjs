@@ -1,8 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { barHeights } from "../../../host/web/page/charts/histogram.js";
-import { labelled, nearestPoint, runChart } from "../../../host/web/page/charts/run_chart_model.js";
-import { linear, rangeOf, roundTicks } from "../../../host/web/page/charts/scale.js";
+import { barHeights } from "../../../host/web/page/views/timing_view.js";
+import {
+  labelled, linear, nearestPoint, rangeOf, roundTicks, runChart,
+} from "../../../host/web/page/charts/run_chart_model.js";
 
 test("ticks are round numbers within the range, at least two", () => {
   for (const [low, high] of [

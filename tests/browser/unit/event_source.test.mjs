@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { HostEvents, retryDelayMs } from "../../../host/web/page/live/event_source.js";
+import { HostEvents, retryDelayMs } from "../../../host/web/page/live/live.js";
 
 /// Stands in for the browser's EventSource; the test says what happens on it.
 class Source extends EventTarget {

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { cautions, disconnected, facts, missing, progress } from "../../../host/web/page/words/status.js";
+import { cautions, disconnected, facts, missing, progress } from "../../../host/web/page/words/rig.js";
 
 const good = {
   state: "idle",

@@ -1,15 +1,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
-  recordWords,
-  stepDoubts,
-  stepNumber,
-  stepState,
-} from "../../../host/web/page/words/commissioning.js";
+  clockWords, recordWords, spread, stepDoubts, stepNumber, stepState,
+} from "../../../host/web/page/words/rig.js";
 import { parseRoute, routeTo } from "../../../host/web/page/words/routes.js";
 import { announcement, condition, remarks, verdict } from "../../../host/web/page/words/shots.js";
-import { dateAndTime, duration } from "../../../host/web/page/words/times.js";
-import { clockWords, spread } from "../../../host/web/page/words/timing.js";
+import { dateAndTime, duration } from "../../../host/web/page/words/numbers.js";
 
 test("a route is read back as it was written, whatever is in its names", () => {
   for (const name of ["2026-11-23", "a/b", "50 %", "<b>ü</b>", "#?&=+"]) {

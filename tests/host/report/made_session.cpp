@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <memory>
 
 #include "host/assembly/assemble.hpp"
 #include "tests/host/synthetic_shot.hpp"
@@ -36,6 +36,8 @@ host::Shot stored_shot(int number, const MadeSession& settings, const host::RigF
     image.top_y_px = image.centre_y_px + 0.45 * image.diameter_px;
   }
   host::Shot stored;
+  stored.rig = std::make_shared<const host::RigFile>(rig);
+  stored.key = {made.shot.boot_id, number};
   stored.name = std::to_string(number);
   stored.utc = fmt::format("2026-11-21T10:{:02}:00Z", number);
   stored.summary = made.shot;
@@ -78,46 +80,10 @@ host::StoredSession made_session(const MadeSession& settings) {
   return session;
 }
 
-host::SeriesSummary plain_summary(const std::string& name, const std::vector<lab_report::ReportShot>& shots) {
-  host::SeriesSummary out;
-  out.name = name;
-  out.counted = static_cast<int>(shots.size());
-  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
-    const auto q = static_cast<reduction::Quantity>(i);
-    host::QuantitySummary& s = out.quantities[i];
-    double sum = 0.0, squares = 0.0;
-    for (const auto& each : shots) {
-      const auto& value = each.shot->readout.value[q];
-      if (!value) continue;
-      ++s.n;
-      sum += *value;
-      squares += *value * *value;
-    }
-    if (s.n == 0) continue;
-    s.mean = sum / s.n;
-    if (s.n < 2) continue;
-    s.scatter_sd = std::sqrt(std::max(0.0, squares - s.n * s.mean * s.mean) / (s.n - 1));
-    s.standard_error = *s.scatter_sd / std::sqrt(s.n);
-    s.total_sd = s.standard_error;
-    s.degrees_of_freedom = s.n - 1.0;
-    s.expanded_uncertainty = 2.0 * *s.total_sd;
-    host::BudgetLine scatter;
-    scatter.source = "scatter";
-    scatter.type = host::EvaluationType::a;
-    scatter.sensitivity = 1.0;
-    scatter.effect = *s.total_sd;
-    scatter.share = 1.0;
-    scatter.degrees_of_freedom = s.n - 1.0;
-    s.budget.push_back(scatter);
-  }
-  return out;
-}
-
-lab_report::ReportInput input_of(host::StoredSession session) {
-  lab_report::ReportInput input;
+report::ReportInput input_of(host::StoredSession session) {
+  report::ReportInput input;
   input.sessions.push_back(std::move(session));
   input.version = "1.2.3";
-  input.summarize = plain_summary;
   return input;
 }
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "host/report/content/report_input.hpp"
+#include "host/report/content.hpp"
 
 namespace strobe::report_test {
 
@@ -18,9 +18,6 @@ struct MadeSession {
 
 host::StoredSession made_session(const MadeSession& settings = {});
 
-/// Mean, scatter, and twice the total: enough to be shown, computed from the shots.
-host::SeriesSummary plain_summary(const std::string& name, const std::vector<lab_report::ReportShot>& shots);
-
-lab_report::ReportInput input_of(host::StoredSession session);
+report::ReportInput input_of(host::StoredSession session);
 
 }  // namespace strobe::report_test

@@ -9,10 +9,8 @@
 #include "common/image/image_files.hpp"
 #include "common/image/opencv.hpp"
 #include "host/commission/record/record.hpp"
-#include "host/report/build_report.hpp"
-#include "host/report/html/render_html.hpp"
-#include "host/report/model/hashes.hpp"
-#include "host/report/model/report_json.hpp"
+#include "host/report/hashes.hpp"
+#include "host/report/report.hpp"
 #include "tests/host/report/made_session.hpp"
 #include "tests/host/report/parsed_html.hpp"
 #include "tests/support/string_from.hpp"
@@ -21,7 +19,7 @@
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
-using namespace strobe::lab_report;
+using namespace strobe::report;
 using namespace strobe::report_test;
 using nlohmann::json;
 
@@ -271,7 +269,7 @@ TEST(Report, AnyNoteComesBackAsText) {
     Report report{.id = "0", .title = note, .issued = "", .sections = {{"s", note, {Paragraph{"p", note}}}}};
     report.sections[0].blocks.emplace_back(
         Facts{"f", note, {{.key = "k", .label = note, .text = note, .number = {}}}});
-    report.sections[0].blocks.emplace_back(Table{"t", note, {{"c", note, note}}, {{{{note, {}}}}}, {note}});
+    report.sections[0].blocks.emplace_back(Table{"t", note, {{"c", note, note}}, {{{Cell(note)}}}, {note}});
     report.sections[0].blocks.emplace_back(ShotCard{
         .key = "1", .title = note, .picture = {}, .no_picture = note, .facts = {}, .remarks = {note}});
     const auto parsed = parse_html(render_html(report));

@@ -1,10 +1,9 @@
 // A run chart: points with error bars in the order fired, mean and limits, the thesis's row as a band, rejected shots crossed.
 // By keyboard it is a slider over the shots; what is under the pointer or chosen by arrow keys is told in words.
-import { fill, h, svg } from "../parts/dom.js";
+import { drawing, fill, h, list, svg } from "../parts/dom.js";
 import { fixed, inWords, unitWords } from "../words/numbers.js";
-import { meanCells } from "../words/series.js";
-import { labelled, nearestPoint, runChart } from "./run_chart_model.js";
-import { linear, roundTicks } from "./scale.js";
+import { meanCells } from "../words/shots.js";
+import { labelled, linear, nearestPoint, roundTicks, runChart } from "./run_chart_model.js";
 
 const HEIGHT = 200,
   LEFT = 62,
@@ -17,6 +16,7 @@ const MANY = 120; // shots, whose marks are small
 export class RunChart {
   constructor(quantity, openShot) {
     Object.assign(this, { quantity, openShot, chosen: null, width: 0 });
+    const unit = unitWords(quantity.unit);
     this.reading = h("p", { class: "reading" });
     this.frame = h("div", {
       class: "plot",
@@ -31,12 +31,7 @@ export class RunChart {
     this.element = h(
       "figure",
       { class: "run-chart" },
-      h(
-        "figcaption",
-        {},
-        quantity.label,
-        quantity.unit ? h("span", { class: "unit" }, ` ${unitWords(quantity.unit)}`) : null,
-      ),
+      h("figcaption", {}, quantity.label, unit && h("span", { class: "unit" }, ` ${unit}`)),
       this.frame,
       this.reading,
     );
@@ -55,24 +50,8 @@ export class RunChart {
     this.x = linear([-0.5, Math.max(points.length, 1) - 0.5], [LEFT, width - RIGHT]);
     this.y = linear(range, [HEIGHT - BOTTOM, TOP]);
     this.mark = svg("circle", { class: "chosen", r: 8, visibility: "hidden" });
-    fill(
-      this.frame,
-      svg(
-        "svg",
-        {
-          viewBox: `0 0 ${width} ${HEIGHT}`,
-          width,
-          height: HEIGHT,
-          "aria-hidden": "true",
-          focusable: "false",
-        },
-        this.thesisBand(),
-        this.axes(width),
-        this.marks(),
-        this.lines(width),
-        this.mark,
-      ),
-    );
+    const parts = [this.thesisBand(), this.axes(width), this.marks(), this.lines(width), this.mark];
+    fill(this.frame, drawing(null, width, HEIGHT, ...parts));
     this.describe();
     this.tell(this.chosen);
   }
@@ -81,7 +60,7 @@ export class RunChart {
     const { points, range } = this.model;
     const { ticks, decimals } = roundTicks(...range);
     const rows = ticks.map((tick) => [
-      svg("path", { class: "grid", d: `M${LEFT} ${this.y(tick)}H${width - RIGHT}` }),
+      stroke("grid", `M${LEFT} ${this.y(tick)}H${width - RIGHT}`),
       svg("text", { x: LEFT - 6, y: this.y(tick) + 4, "text-anchor": "end" }, fixed(tick, decimals)),
     ]);
     const names = labelled(points, (width - LEFT) / 60).map((p) =>
@@ -93,7 +72,7 @@ export class RunChart {
   lines(width) {
     const { mean, lower, upper } = this.model;
     const line = (value, kind) =>
-      Number.isFinite(value) && svg("path", { class: kind, d: `M${LEFT} ${this.y(value)}H${width - RIGHT}` });
+      Number.isFinite(value) && stroke(kind, `M${LEFT} ${this.y(value)}H${width - RIGHT}`);
     return [line(lower, "limit"), line(upper, "limit"), line(mean, "mean")];
   }
 
@@ -109,7 +88,7 @@ export class RunChart {
         y: top,
         height: Math.max(1, this.y(thesis.value - thesis.sd) - top),
       }),
-      svg("path", { class: "thesis-line", d: `M${LEFT} ${this.y(thesis.value)}H${this.width - RIGHT}` }),
+      stroke("thesis-line", `M${LEFT} ${this.y(thesis.value)}H${this.width - RIGHT}`),
     ];
   }
 
@@ -117,27 +96,29 @@ export class RunChart {
   marks() {
     const { x, y } = this;
     const shown = this.model.points.filter((p) => p.value !== null);
-    const bars = shown
-      .filter((p) => p.sd > 0)
-      .map((p) => `M${x(p.index)} ${y(p.value - p.sd)}V${y(p.value + p.sd)}`)
-      .join("");
-    const dots = shown
-      .filter((p) => p.counted)
-      .map((p) => `M${x(p.index)} ${y(p.value)}h0`)
-      .join("");
-    const crosses = shown
-      .filter((p) => !p.counted)
-      .map((p) => cross(x(p.index), y(p.value)))
-      .join("");
-    const bottom = this.model.points
-      .filter((p) => p.value === null)
-      .map((p) => cross(x(p.index), HEIGHT - BOTTOM - 5))
-      .join("");
+    const path = (points, of) => points.map(of).join("");
+    const bars = path(
+      shown.filter((p) => p.sd > 0),
+      (p) => `M${x(p.index)} ${y(p.value - p.sd)}V${y(p.value + p.sd)}`,
+    );
+    const dots = path(
+      shown.filter((p) => p.counted),
+      (p) => `M${x(p.index)} ${y(p.value)}h0`,
+    );
+    const crosses = path(
+      this.model.points.filter((p) => p.value === null || !p.counted),
+      (p) => cross(x(p.index), this.height(p)),
+    );
     return [
-      svg("path", { class: "bars", d: bars }),
-      svg("path", { class: shown.length > MANY ? "dots many" : "dots", d: dots }),
-      svg("path", { class: "crosses", d: crosses + bottom }),
+      stroke("bars", bars),
+      stroke(shown.length > MANY ? "dots many" : "dots", dots),
+      stroke("crosses", crosses),
     ];
+  }
+
+  /// Of what has no number: at the bottom.
+  height(point) {
+    return point.value === null ? HEIGHT - BOTTOM - 5 : this.y(point.value);
   }
 
   describe() {
@@ -176,7 +157,7 @@ export class RunChart {
     if (!point) return this.mark.setAttribute("visibility", "hidden");
     this.mark.setAttribute("visibility", "visible");
     this.mark.setAttribute("cx", this.x(point.index));
-    this.mark.setAttribute("cy", point.value === null ? HEIGHT - BOTTOM - 5 : this.y(point.value));
+    this.mark.setAttribute("cy", this.height(point));
   }
 
   under(event) {
@@ -209,16 +190,9 @@ export class RunChart {
   key(event) {
     const { points } = this.model;
     const at = this.chosen ? this.chosen.index : points.length;
-    const moves = {
-      ArrowLeft: at - 1,
-      ArrowDown: at - 1,
-      ArrowRight: at + 1,
-      ArrowUp: at + 1,
-      Home: 0,
-      End: points.length - 1,
-      PageDown: at - 10,
-      PageUp: at + 10,
-    };
+    const steps = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -10, PageUp: 10 };
+    const moves = { Home: 0, End: points.length - 1 };
+    for (const [key, step] of Object.entries(steps)) moves[key] = at + step;
     if (event.key === "Enter" && this.chosen) this.openShot(this.chosen.name);
     else if (event.key === "Escape") this.choose(null);
     else if (event.key in moves) this.choose(nearestPoint(points, moves[event.key]));
@@ -242,4 +216,25 @@ export function drawAtWidth(charts, signal) {
   });
   signal.addEventListener("abort", () => observer.disconnect());
   return observer;
+}
+
+const stroke = (kind, d) => svg("path", { class: kind, d });
+const MARKS = [
+  ["counted shot ± its total sd", () => [stroke("bars", "M12 2V18"), stroke("dots", "M12 10h0")]],
+  ["rejected", () => stroke("crosses", cross(12, 10))],
+  ["mean", () => stroke("mean", "M1 10H23")],
+  ["limits of single shots (3 sd, from their moving range)", () => stroke("limit", "M1 10H23")],
+  [
+    "thesis ± sd",
+    () => [
+      svg("rect", { class: "thesis-band", x: 1, y: 4, width: 22, height: 12 }),
+      stroke("thesis-line", "M1 10H23"),
+    ],
+  ],
+];
+
+/// What the marks of a run chart mean.
+export function legend() {
+  const items = MARKS.map(([words, marks]) => [drawing(null, 24, 20, marks()), words]);
+  return list("legend", items, { "aria-label": "Marks" });
 }

@@ -1,17 +1,13 @@
 // Corrections of one photograph as a person makes them: each step is asked of the host as a preview, so that the readout is
 // seen to change; saved, it is what `strobe shot --edit` makes of the same text.
-import { fill } from "../parts/dom.js";
+import { fill, h } from "../parts/dom.js";
+import { button } from "../photograph/beside.js";
 import { enlargement, hatchedPlaces, inTime } from "../photograph/geometry.js";
-import { createActions } from "./actions.js";
-import { keepDraft, readDraft } from "./draft.js";
-import { createFields } from "./fields.js";
-import { createHandles } from "./handles.js";
-import { withJudgement } from "./judgement.js";
-import { createModel } from "./model.js";
-import { createNewestOnly } from "./preview.js";
-import { createTable } from "./table.js";
-import { createTool } from "./tool.js";
-import { correctionsText, editsFromList } from "./toml.js";
+import { createActions, createFields, createTable } from "./controls.js";
+import { createNewestOnly, createRequests, keepDraft, readDraft } from "./host.js";
+import { createModel, withJudgement } from "./model.js";
+import { correctionsText, editsFromList } from "./state.js";
+import { createHandles, createTool } from "./tool.js";
 
 export class Editor {
   /// host: what mount.js gives. answer: the host's, of what was found and which corrections count.
@@ -193,4 +189,87 @@ export class Editor {
     this.handles.destroy();
     this.host.stage.element.classList.remove("is-adding", "is-correcting");
   }
+}
+
+const OTHERS = "Somebody else corrected this shot meanwhile. Your corrections are kept; saved, they replace theirs, which stay in the list.";
+
+/// side: where the editor's controls go; under: where the comparison goes. ended(): closed by the person; edited(): the
+/// shot's detail is to be fetched anew.
+export function mountEditor({ session, shot, detail: first, photo, stage, marks, legend, side, under, ended, edited }) {
+  const element = h("section", { class: "edit", "aria-label": "Corrections by hand" });
+  const requests = createRequests(session, shot);
+  let detail = first;
+  let editor = null;
+  let gone = false;
+  let ours = false;  // the next change of the shot is this editor's own
+  side.append(element);
+  const host = {
+    session, shot, photo, stage, marks, legend, element, under,
+    requests: { ...requests, save: ownChange(requests.save), undo: ownChange(requests.undo) },
+    detail: () => detail,
+    close: ended,
+    async again(words) {
+      edited?.();
+      await begin();
+      editor?.actions.tell(words);
+    },
+  };
+
+  function ownChange(ask) {
+    return async (...what) => {
+      ours = true;
+      try {
+        return await ask(...what);
+      } catch (error) {
+        ours = false;
+        throw error;
+      }
+    };
+  }
+
+  async function begin() {
+    try {
+      const answer = await requests.corrections();
+      if (gone) return;
+      editor?.destroy();
+      editor = new Editor(host, answer);
+    } catch (error) {
+      if (gone) return;
+      editor?.destroy();
+      editor = null;
+      fill(element, h("p", { class: "edit-problem", role: "alert" }, `It cannot be corrected now: ${error.message}.`),
+        button("Try again", start), button("Close", ended));
+    }
+  }
+
+  function start() {
+    fill(element, h("p", { role: "status" }, "Asking what was found …"));
+    begin();
+  }
+
+  const unsaved = () => editor?.unsaved() ?? false;
+  const warn = (event) => {
+    if (unsaved()) event.preventDefault();
+  };
+  window.addEventListener("beforeunload", warn);
+  start();
+  return {
+    unsaved,
+    update(next) {
+      const changed = next.digitizations.length !== detail.digitizations.length;
+      const byOthers = changed && !ours;
+      if (changed) ours = false;
+      detail = next;
+      editor?.draw();
+      if (byOthers && unsaved()) editor.actions.fail(OTHERS);
+      else if (byOthers) begin();
+    },
+    destroy() {
+      gone = true;
+      window.removeEventListener("beforeunload", warn);
+      editor?.destroy();
+      element.remove();
+      fill(under);
+    },
+  };
 }

@@ -1,11 +1,10 @@
 // The edits of one photograph while a person works on them: what is chosen, what a drag tries, steps back and forth.
 // Tells `changed()` whenever what is to be seen differs. Pure but for that.
-
-import { add, isChanged, isRemoved, itemsOf, measure, measuredOf, noEdits, remove, restore, setSurface } from "./state.js";
-import { correctionsText } from "./toml.js";
-import { createUndo } from "./undo.js";
 import { median, surfaceOnPhotograph } from "../photograph/geometry.js";
 import { nameOf } from "../photograph/words.js";
+import {
+  add, correctionsText, isRemoved, itemsOf, measure, measuredOf, noEdits, remove, restore, setSurface,
+} from "./state.js";
 
 const inset = 0.06;  // of the photograph's width: where the surface line's ends are offered
 
@@ -66,7 +65,6 @@ export function createModel({ found, first = noEdits, draft = null, photo, chang
     attemptedText: () => correctionsText(found, edits()),
     canUndo: undo.canUndo,
     canRedo: undo.canRedo,
-    isChanged: (key) => isChanged(undo.state(), key) || isRemoved(undo.state(), key),
     measured: (key) => measuredOf(edits(), key),
     select,
     chooseSurface() {
@@ -140,4 +138,52 @@ export function createModel({ found, first = noEdits, draft = null, photo, chang
       step(edits, words);
     },
   };
+}
+
+/// Steps of an edit, to be taken back and done again. What a key does while it is held is one step with its first press.
+export function createUndo(first) {
+  let past = [];
+  let future = [];
+  let now = { state: first, words: "", open: false };
+  return {
+    state: () => now.state,
+    canUndo: () => past.length > 0,
+    canRedo: () => future.length > 0,
+    /// words: what was done, for the button: "move image of flash 3".
+    push(state, words, held = false) {
+      if (!(held && now.open && now.words === words)) past.push({ ...now, open: false });
+      now = { state, words, open: true };
+      future = [];
+    },
+    /// The words of what is taken back; null: there is nothing.
+    undo() {
+      if (past.length === 0) return null;
+      const undone = now;
+      future.push({ ...now, open: false });
+      now = past.pop();
+      return undone.words;
+    },
+    redo() {
+      if (future.length === 0) return null;
+      past.push(now);
+      now = future.pop();
+      return now.words;
+    },
+  };
+}
+
+const same_px = 1.5;
+
+/// items: [{key, image, status}]; judged: the images of a preview or of the shot. Each judged image serves once.
+export function withJudgement(items, judged) {
+  const left = [...judged];
+  return items.map((item) => {
+    if (item.status === "removed") return item;
+    const [column, row] = item.image.centre_px;
+    const distances = left.map((image) => Math.hypot(image.centre_px[0] - column, image.centre_px[1] - row));
+    const nearest = distances.indexOf(Math.min(...distances));
+    if (nearest < 0 || distances[nearest] > same_px) return item;
+    const [{ flash_index, leg, used, why_not, residual_px, time_s, source }] = left.splice(nearest, 1);
+    return { ...item, image: { ...item.image, flash_index, leg, used, why_not, residual_px, time_s, source: item.status === "found" ? source : "hand" } };
+  });
 }

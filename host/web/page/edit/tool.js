@@ -1,6 +1,6 @@
 // Presses, drags and keys on the photograph while it is corrected: which image or handle they mean, and what they do to
-// the edits. The model (edit_model.js) keeps the edits; this module has no state but a drag under way.
-
+// the edits. The model (model.js) keeps the edits; this module has no state but a drag under way.
+import { setAttributes, svg } from "../parts/dom.js";
 import { diameterEnds, handleAt, imageAt, lineAngleRad } from "../photograph/geometry.js";
 
 const mouseReach_px = 12;
@@ -129,4 +129,30 @@ export function createTool({ model, stage, marks, escaped }) {
   }
 
   return { begin: drag, click, key };
+}
+
+const radius_px = 8;
+
+export function createHandles(stage, model) {
+  const group = svg("g", { class: "edit-handles", "aria-hidden": "true" });
+  stage.marks.append(group);
+
+  function draw() {
+    const scale = stage.view().scale;
+    const handles = Object.entries(handlesOf(model));
+    while (group.children.length > handles.length) group.lastChild.remove();
+    handles.forEach(([name, [cx, cy]], i) => {
+      const circle = group.children[i] ?? group.appendChild(svg("circle"));
+      setAttributes(circle, { class: `edit-handle is-${name.split("-")[0]}`, cx, cy, r: radius_px / scale });
+    });
+  }
+
+  stage.watch(draw);
+  return {
+    draw,
+    destroy() {
+      stage.unwatch(draw);
+      group.remove();
+    },
+  };
 }

@@ -7,15 +7,6 @@ export function path(...parts) {
   return [ROOT, ...parts.map((part) => encodeURIComponent(part))].join("/");
 }
 
-export function withQuery(address, query) {
-  const filled = Object.entries(query).filter(
-    ([, value]) => value !== null && value !== undefined && value !== "",
-  );
-  return filled.length
-    ? `${address}?${new URLSearchParams(filled.map(([k, v]) => [k, String(v)]))}`
-    : address;
-}
-
 export function getJson(address, signal) {
   return request(address, { signal, cache: "no-store" });
 }

@@ -1,9 +1,8 @@
 // On top of every view: danger first, then the connection, what is missing, rig, key, e-stop, and the two buttons that may
 // stop it. There is no button that fires.
-import { postJson, path } from "../live/api.js";
-import { cautions, disconnected, facts, missing, progress } from "../words/status.js";
-import { announce } from "./announcer.js";
-import { fill, h, setText } from "./dom.js";
+import { path, postJson } from "../live/api.js";
+import { cautions, disconnected, facts, missing, progress } from "../words/rig.js";
+import { announce, fill, h, setText, showIfNew } from "./dom.js";
 
 export class RigBar {
   constructor(element, live) {
@@ -44,12 +43,16 @@ export class RigBar {
     document.body.classList.toggle("is-stale", !connection.connected);
     setText(this.rig, state?.rig ?? "");
     setText(this.progress, progress(status));
-    this.updateFacts(facts(status));
+    showIfNew(this.facts, facts(status), (all) =>
+      all.map(({ name, text, level }) =>
+        h("div", { class: `fact ${level}` }, h("dt", {}, name), h("dd", {}, text)),
+      ),
+    );
     const words = missing(status);
     setText(this.missing, words ? `Cannot fire: ${words}` : "");
     this.tellMissing(words);
     setText(this.activity, status?.activity ?? "");
-    this.updateCautions(cautions(status));
+    showIfNew(this.cautions, cautions(status), (all) => all.map((words) => h("li", {}, words)));
     const can = { ...state?.can, ...status?.can };
     this.stop.hidden = !can.stop;
     this.disarm.hidden = !can.disarm;
@@ -61,28 +64,6 @@ export class RigBar {
     if (gist !== this.gist && this.gist !== undefined)
       announce(words ? `Cannot fire: ${words}` : "Nothing is missing to fire.");
     this.gist = gist;
-  }
-
-  updateFacts(list) {
-    const key = JSON.stringify(list);
-    if (key === this.factsShown) return;
-    this.factsShown = key;
-    fill(
-      this.facts,
-      list.map(({ name, text, level }) =>
-        h("div", { class: `fact ${level}` }, h("dt", {}, name), h("dd", {}, text)),
-      ),
-    );
-  }
-
-  updateCautions(list) {
-    const key = list.join("\n");
-    if (key === this.cautionsShown) return;
-    this.cautionsShown = key;
-    fill(
-      this.cautions,
-      list.map((words) => h("li", {}, words)),
-    );
   }
 
   async send(what, words) {

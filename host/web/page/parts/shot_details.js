@@ -1,29 +1,21 @@
 // What a shot has to say on demand: all numbers, the uncertainty budget, the flash train, who digitized it.
-import { ABSENT, rounded, significant, unitWords } from "../words/numbers.js";
-import { dateAndTime } from "../words/times.js";
-import { fill, h } from "./dom.js";
-import { details, quiet } from "./notices.js";
-import { table } from "./table.js";
+import { ABSENT, dateAndTime, rounded, significant, unitWords, valueAndSd } from "../words/numbers.js";
+import { condition, digitizationWords, meanCells } from "../words/shots.js";
+import { choice, details, fill, h, quiet } from "./dom.js";
+import { QUANTITY, table, UNIT } from "./table.js";
 
 /// kept: {open: Set of ids, budgetOf: name of a quantity}, what a person has chosen, from one shot to the next.
 export function shotDetails(quantities, detail, kept) {
   const ontoggle = ({ target }) => (target.open ? kept.open.add(target.id) : kept.open.delete(target.id));
   const part = (id, title, content) =>
     content && details(title, content, { id, open: kept.open.has(id), ontoggle });
+  const { readout, budget, train, digitizations, record = readout?.record } = detail;
   return [
-    part("all-numbers", "All numbers", detail.readout && allNumbers(quantities, detail)),
-    part("budget", "Uncertainty budget", detail.budget && budgets(quantities, detail, kept)),
-    part("train", "Flash train", detail.train && trainTable(detail.train)),
-    part(
-      "digitizations",
-      "Digitizations",
-      detail.digitizations?.length && digitizations(detail.digitizations),
-    ),
-    part(
-      "record",
-      "Record",
-      hasEntries(detail.readout?.record) && factsTable("Record of the session", detail.readout.record),
-    ),
+    part("all-numbers", "All numbers", readout && allNumbers(quantities, detail)),
+    part("budget", "Uncertainty budget", budget && budgets(quantities, detail, kept)),
+    part("train", "Flash train", train && trainTable(train)),
+    part("digitizations", "Digitizations", digitizations?.length && digitizationList(digitizations)),
+    part("record", "Record", hasEntries(record) && factsTable("Record of the session", record)),
   ].filter(Boolean);
 }
 
@@ -47,15 +39,7 @@ function allNumbers(quantities, { readout, values }) {
       ],
     };
   });
-  const columns = [
-    { title: "quantity", hidden: true },
-    { title: "value" },
-    { title: "unit", hidden: true, words: true },
-    { title: "total sd" },
-    { title: "of noise" },
-    { title: "of ball and air" },
-    { title: "95 %" },
-  ];
+  const columns = [QUANTITY, "value", UNIT, "total sd", "of noise", "of ball and air", "95 %"];
   const ratio = Number.isFinite(readout.residual_ratio)
     ? quiet(`Residuals are ${significant(readout.residual_ratio, 3)} times the stated noise.`)
     : null;
@@ -74,27 +58,23 @@ function budgets(quantities, { budget }, kept) {
     kept.budgetOf = chosen.name;
     fill(place, budgetTable(chosen, budget));
   };
-  const select = h(
-    "select",
-    { onchange: () => show(select.value) },
-    known.map((q) => h("option", { value: q.name }, q.label)),
-  );
   show(kept.budgetOf);
-  select.value = kept.budgetOf;
-  return [h("label", { class: "choice" }, h("span", {}, "Number"), select), place];
+  const options = known.map((q) => [q.name, q.label]);
+  return [choice("Number", options, kept.budgetOf, show).element, place];
 }
 
-export function budgetTable(quantity, budget) {
+function budgetTable(quantity, budget) {
   const lines = budget[quantity.name];
+  const or = (number, digits) => (number === null ? "" : significant(number, digits));
   const rows = lines.map((line) => ({
     head: line.source,
     cells: [
       line.type,
       line.input_sd === null ? "" : `${significant(line.input_sd, 3)} ${line.input_unit ?? ""}`.trim(),
-      line.sensitivity === null ? "" : significant(line.sensitivity, 3),
+      or(line.sensitivity, 3),
       significant(line.effect),
       `${significant(100 * line.share, 3)} %`,
-      line.degrees_of_freedom === null ? "" : significant(line.degrees_of_freedom, 3),
+      or(line.degrees_of_freedom, 3),
       line.shared ? "yes" : "no",
     ],
   }));
@@ -103,24 +83,19 @@ export function budgetTable(quantity, budget) {
   const unit = unitWords(quantity.unit);
   const columns = [
     { title: "source", words: true },
-    { title: "type" },
-    { title: "input's sd" },
-    { title: "sensitivity" },
+    ...["type", "input's sd", "sensitivity"],
     { title: "effect", unit },
-    { title: "share" },
-    { title: "freedom" },
-    { title: "shared" },
+    ...["share", "freedom", "shared"],
   ];
   return table(`What the uncertainty of ${quantity.label} is made of`, columns, rows);
 }
 
-function digitizations(list) {
-  const kinds = { auto: "by the program", hand: "by hand", corrected: "corrected by hand" };
+function digitizationList(all) {
   return h(
     "ol",
     { class: "plain-list" },
-    list.map(({ utc, who, kind }) =>
-      h("li", {}, `${kinds[kind] ?? kind}${who ? `, ${who}` : ""}${utc ? `, ${dateAndTime(utc)} UTC` : ""}`),
+    all.map(({ utc, who, kind }) =>
+      h("li", {}, [digitizationWords(kind), who, utc && `${dateAndTime(utc)} UTC`].filter(Boolean).join(", ")),
     ),
   );
 }
@@ -132,15 +107,11 @@ export function trainTable(train) {
 /// Any object of plain values, nested ones with their names joined.
 function factsTable(caption, object) {
   const rows = entries(object).map(([name, value]) => ({ head: name.replaceAll("_", " "), cells: [value] }));
-  return table(
-    caption,
-    [
-      { title: "what", hidden: true },
-      { title: "value", hidden: true, words: true },
-    ],
-    rows,
-    { hideCaption: true },
-  );
+  const columns = [
+    { title: "what", hidden: true },
+    { title: "value", hidden: true, words: true },
+  ];
+  return table(caption, columns, rows, { hideCaption: true });
 }
 
 function entries(object, prefix = "") {
@@ -157,4 +128,25 @@ function textOf(value) {
   if (typeof value === "number") return Number.isInteger(value) ? String(value) : significant(value, 4);
   if (typeof value === "boolean") return value ? "yes" : "no";
   return Array.isArray(value) ? value.map(textOf).join(", ") : String(value);
+}
+
+export function hasNumbers(shot) {
+  return Object.values(shot.values ?? {}).some((number) => Number.isFinite(number?.value));
+}
+
+export function essentialsTable(quantities, shot, series) {
+  const summary = series?.counted > 0 ? series : null;
+  // The court pace is the ITF's for shots as it prescribes them only.
+  const hasPace = shot.readout?.court_pace_conforming;
+  const shown = quantities.filter((q) => q.essential || (q.name === "court_pace" && hasPace));
+  const rows = shown.map((q) => {
+    const { value, sd } = valueAndSd(shot.values?.[q.name]);
+    const { mean, expanded } = meanCells(summary?.quantities?.[q.name]);
+    const means = summary ? [mean, expanded && `± ${expanded}`] : [];
+    return { head: q.label, cells: [value, sd && `± ${sd}`, unitWords(q.unit), ...means] };
+  });
+  const columns = [QUANTITY, "value", "± sd", UNIT, ...(summary ? ["series' mean", "± 95 %"] : [])];
+  const which = [shot.name, condition(shot)].filter(Boolean).join(", ");
+  const look = { hideCaption: true, className: "essentials" };
+  return table(`Shot ${which}: value with its total standard uncertainty`, columns, rows, look);
 }

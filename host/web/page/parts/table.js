@@ -1,10 +1,15 @@
 // Tables: a caption, column headings with units, rows with headings of their own.
 import { h } from "./dom.js";
 
-/// columns: [{title, unit?, words?: true, hidden?: true}], hidden titles are for listeners only; rows: [{head, cells, class?}],
+/// Of what most tables begin with.
+export const QUANTITY = { title: "quantity", hidden: true };
+export const UNIT = { title: "unit", hidden: true, words: true };
+
+/// columns: titles, or {title, unit?, words?: true, hidden?: true}; hidden titles are for listeners only; rows: [{head, cells, class?}],
 /// head and cells are text or elements. The table scrolls sideways by itself where the screen is narrow, and can be focused
 /// for that.
-export function table(caption, columns, rows, { hideCaption = false, className = "" } = {}) {
+export function table(caption, titles, rows, { hideCaption = false, className = "" } = {}) {
+  const columns = titles.map((column) => (typeof column === "string" ? { title: column } : column));
   const headings = columns.map(({ title, unit, words, hidden }) =>
     h(
       "th",

@@ -84,31 +84,30 @@ export function surfaceOnPhotograph(points, photo) {
   return lineOnPhotograph(mean, [mean[0] + 1, mean[1] + xy / xx], photo);
 }
 
+const distanceOf = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+
+/// Index of the point nearest to `p` of those that are within reachOf(index); -1: none is.
+function nearest(points, p, reachOf) {
+  const distances = points.map((point, index) => {
+    const distance = distanceOf(point, p);
+    return distance > reachOf(index) ? Infinity : distance;
+  });
+  const least = Math.min(...distances);
+  return least < Infinity ? distances.indexOf(least) : -1;
+}
+
 /// Index of the image that a click at `p` means: within its disc or `reach` of its middle, and the nearest. -1: none.
 export function imageAt(images, p, reach) {
-  let best = -1;
-  let least = Infinity;
-  images.forEach((image, index) => {
-    const distance = Math.hypot(image.centre_px[0] - p[0], image.centre_px[1] - p[1]);
-    if (distance > Math.max(reach, (image.diameter_px ?? 0) / 2) || distance >= least) return;
-    least = distance;
-    best = index;
-  });
-  return best;
+  return nearest(images.map((image) => image.centre_px), p, (index) => Math.max(reach, (images[index].diameter_px ?? 0) / 2));
 }
 
 /// Name of the handle ({name: point}) within `reach` of `p`, the nearest; null: none.
 export function handleAt(handles, p, reach) {
-  let best = null;
-  let least = reach;
-  for (const [name, at] of Object.entries(handles)) {
-    const distance = Math.hypot(at[0] - p[0], at[1] - p[1]);
-    if (distance > least) continue;
-    least = distance;
-    best = name;
-  }
-  return best;
+  return Object.keys(handles)[nearest(Object.values(handles), p, () => reach)] ?? null;
 }
+
+/// Whether the place is that of the image.
+export const isAt = (place, image) => distanceOf(place.centre_px, image.centre_px) < (image.diameter_px ?? 0) / 4;
 
 /// Positions in order of time: by flash, then along the flight as listed.
 export function inTime(images) {
@@ -125,8 +124,7 @@ export function firstTime(images) {
 
 /// Places that looked like a ball and became no image, without those that an image covers.
 export function hatchedPlaces({ images, unmeasured }) {
-  const covered = (place) => images.some((image) =>
-    Math.hypot(place.centre_px[0] - image.centre_px[0], place.centre_px[1] - image.centre_px[1]) < (image.diameter_px ?? 0) / 4);
+  const covered = (place) => images.some((image) => isAt(place, image));
   return (unmeasured ?? []).filter((place) => (!place.what || place.what === "image") && !covered(place));
 }
 

@@ -2,7 +2,9 @@
 // keys. A tool (the editor) may take presses and keys first.
 
 import { h, svg } from "../parts/dom.js";
-import { fitView, isFit, panBy, pinch, resized, reveal, toPhoto, toScreen, widthToLoad, zoomAt } from "./view.js";
+import {
+  fitView, isFit, panBy, pinch, resized, reveal, toPhoto, toScreen, widthToLoad, zoomAt,
+} from "./view.js";
 
 const stepZoom = 1.25;
 const stepPan_px = 60;

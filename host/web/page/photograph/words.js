@@ -1,5 +1,5 @@
 // What is said of an image, in words and rounded numbers. Pure.
-import { inWords, fixed, significant } from "../words/numbers.js";
+import { fixed, inWords, significant } from "../words/numbers.js";
 import { uncertaintyOf } from "./geometry.js";
 
 const LEGS = {

@@ -1,31 +1,23 @@
 // The rig proved step by step: the run under way, or its record. Viewers may confirm what only watches inputs; whatever makes
 // outputs move, and what somebody saw or heard of it, is answered at the console.
 import { getJson, path, postJson } from "../live/api.js";
-import { fill, h, refill, setText } from "../parts/dom.js";
-import { badge, problem, quiet, viewHeading } from "../parts/notices.js";
-import { recordWords, stepDoubts, stepNumber, stepState } from "../words/commissioning.js";
+import { attempt, badge, fill, h, quiet, setText, showIfNew, viewHeading } from "../parts/dom.js";
+import { recordWords, stepDoubts, stepNumber, stepState } from "../words/rig.js";
 
 export function commissionView(main, { live, signal }) {
   const summary = h("p", { class: "record" });
   const asked = h("section", { class: "prompt", "aria-label": "What is asked", role: "status" });
   const steps = h("ol", { class: "steps" });
-  let askedShown = "";
   fill(main, viewHeading("Commission"), summary, asked, steps);
   const show = (record) => {
     const { level, title, text } = recordWords(record);
     fill(summary, badge(level, title), ` ${text}`);
-    const key = JSON.stringify([record.prompt, record.waiting, record.steps.map(({ state }) => state)]);
-    if (key !== askedShown) refill(asked, promptContent(record));
-    askedShown = key;
+    const { prompt, waiting, steps: all } = record;
+    showIfNew(asked, [prompt, waiting, all.map(({ state }) => state)], () => promptContent(record));
     fill(steps, record.steps.map(stepItem));
   };
-  const load = async () => {
-    try {
-      show(await getJson(path("commission"), signal));
-    } catch (error) {
-      if (error.name !== "AbortError") fill(summary, problem(`Commissioning: ${error.message}.`));
-    }
-  };
+  const load = () =>
+    attempt(summary, "Commissioning", async () => show(await getJson(path("commission"), signal)));
   fill(summary, quiet("Asking the host."));
   live.addEventListener("commission", ({ detail }) => (detail.steps ? show(detail) : load()), { signal });
   live.addEventListener("live", load, { signal });

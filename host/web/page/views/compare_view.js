@@ -1,21 +1,18 @@
 // Two series: their differences with uncertainty, and whether they are decided.
-import { getJson, path, withQuery } from "../live/api.js";
-import { differenceBar } from "../charts/difference_chart.js";
-import { fill, h } from "../parts/dom.js";
-import { badge, problem, quiet, viewHeading } from "../parts/notices.js";
-import { table } from "../parts/table.js";
-import { rounded, significant, unitWords } from "../words/numbers.js";
-import { routeTo } from "../words/routes.js";
+import { getJson, path } from "../live/api.js";
+import { attempt, badge, choice, fill, h, quiet, viewHeading } from "../parts/dom.js";
+import { QUANTITY, table, UNIT } from "../parts/table.js";
+import { dateAndTime, rounded, significant, unitWords } from "../words/numbers.js";
+import { routeTo, withQuery } from "../words/routes.js";
 import { condition } from "../words/shots.js";
-import { dateAndTime } from "../words/times.js";
 
-export async function compareView(main, { live, route, signal }) {
-  const choice = h("form", { class: "compare-choice" });
+export function compareView(main, { live, route, signal }) {
+  const form = h("form", { class: "compare-choice" });
   const result = h("section", { "aria-label": "Differences" });
-  fill(main, viewHeading("Compare two series"), choice, result);
-  try {
+  fill(main, viewHeading("Compare two series"), form, result);
+  return attempt(result, "Comparison", async () => {
     const sessions = await getJson(path("sessions"), signal);
-    showChoice(choice, sessions, route.query);
+    showChoice(form, sessions, route.query);
     const { first, second } = route.query;
     if (first && second) await compare(result, live.quantities, first, second, signal);
     else
@@ -23,34 +20,20 @@ export async function compareView(main, { live, route, signal }) {
         result,
         quiet("Choose two sessions. What both share, as a calibration, cancels as far as it does."),
       );
-  } catch (error) {
-    if (error.name !== "AbortError") fill(result, problem(`Comparison: ${error.message}.`));
-  }
+  });
 }
 
 function showChoice(form, sessions, { first, second }) {
-  const select = (name, chosen) => {
-    const words = (s) =>
-      [s.id, condition(s), dateAndTime(s.utc), `${s.counted} counted`].filter(Boolean).join(", ");
-    const element = h(
-      "select",
-      { name },
-      sessions.map((s) => h("option", { value: s.id }, words(s))),
-    );
-    if (chosen) element.value = chosen;
-    return element;
-  };
-  const one = select("first", first ?? sessions[0]?.id);
-  const other = select("second", second ?? sessions.find((s) => s.id !== one.value)?.id);
-  fill(
-    form,
-    h("label", { class: "choice" }, h("span", {}, "First"), one),
-    h("label", { class: "choice" }, h("span", {}, "less second"), other),
-    h("button", { type: "submit" }, "Compare"),
-  );
+  const words = (s) =>
+    [s.id, condition(s), dateAndTime(s.utc), `${s.counted} counted`].filter(Boolean).join(", ");
+  const options = sessions.map((s) => [s.id, words(s)]);
+  const one = choice("First", options, first ?? sessions[0]?.id, null, { name: "first" });
+  const other = sessions.find((s) => s.id !== one.select.value)?.id;
+  const two = choice("less second", options, second ?? other, null, { name: "second" });
+  fill(form, one.element, two.element, h("button", { type: "submit" }, "Compare"));
   form.addEventListener("submit", (event) => {
     event.preventDefault();
-    location.hash = routeTo("compare", [], { first: one.value, second: other.value });
+    location.hash = routeTo("compare", [], { first: one.select.value, second: two.select.value });
   });
 }
 
@@ -63,9 +46,7 @@ async function compare(place, quantities, first, second, signal) {
   return fill(
     place,
     differencesTable(known, answer, one, other),
-    quiet(
-      "Bars: the 95 % interval in units of its own half width, zero in the middle. Where a bar does not hold zero, the series differ.",
-    ),
+    quiet("Where the 95 % interval does not hold zero, the series differ."),
   );
 }
 
@@ -79,7 +60,6 @@ function differencesTable(known, answer, one, other) {
         unitWords(q.unit),
         cell(d.difference),
         cell(d.expanded_uncertainty),
-        differenceBar(d.difference, d.expanded_uncertainty),
         d.decided ? badge("plain", "differs") : "not decided",
         cell(d.total_sd),
         cell(d.standard_error),
@@ -92,16 +72,12 @@ function differencesTable(known, answer, one, other) {
   return table(
     `${one} less ${other}`,
     [
-      { title: "quantity", hidden: true },
-      { title: "unit", hidden: true, words: true },
-      { title: "difference" },
-      { title: "± 95 %" },
-      { title: "difference in its ± 95 %", words: true },
+      QUANTITY,
+      UNIT,
+      "difference",
+      "± 95 %",
       { title: "decided", hidden: true, words: true },
-      { title: "total sd" },
-      { title: "std error" },
-      { title: "shared" },
-      { title: "p" },
+      ...["total sd", "std error", "shared", "p"],
       { title: "further shots", words: true },
     ],
     rows,

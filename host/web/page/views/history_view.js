@@ -1,13 +1,10 @@
 // All sessions, and all shots of one: newest first, in pages, with the reasons of the rejected.
-import { getJson, path, withQuery } from "../live/api.js";
-import { fill, h } from "../parts/dom.js";
-import { badge, problem, quiet, viewHeading } from "../parts/notices.js";
-import { ShotRows } from "../parts/shot_rows.js";
+import { getJson, path } from "../live/api.js";
+import { attempt, badge, choice, fill, h, links, quiet, viewHeading } from "../parts/dom.js";
 import { table } from "../parts/table.js";
-import { count } from "../words/numbers.js";
-import { routeTo } from "../words/routes.js";
-import { condition } from "../words/shots.js";
-import { dateAndTime } from "../words/times.js";
+import { count, dateAndTime, rounded, unitWords } from "../words/numbers.js";
+import { routeTo, withQuery } from "../words/routes.js";
+import { condition, remarks, verdict } from "../words/shots.js";
 
 const PAGE = 100;
 
@@ -17,15 +14,13 @@ export function historyView(main, { live, route, signal }) {
   return new SessionHistory(main, live, session, route.query.show ?? "all", signal);
 }
 
-async function showSessions(main, signal) {
+function showSessions(main, signal) {
   const place = h("div", {}, quiet("Reading the sessions."));
   fill(main, viewHeading("History"), place);
-  try {
+  return attempt(place, "Sessions", async () => {
     const sessions = await getJson(path("sessions"), signal);
     fill(place, sessions.length === 0 ? quiet("No session yet.") : sessionsTable(sessions));
-  } catch (error) {
-    if (error.name !== "AbortError") fill(place, problem(`Sessions: ${error.message}.`));
-  }
+  });
 }
 
 function sessionsTable(sessions) {
@@ -46,10 +41,8 @@ function sessionsTable(sessions) {
     [
       { title: "session", words: true },
       { title: "state", hidden: true, words: true },
-      { title: "begun, UTC", words: true },
-      { title: "rig", words: true },
-      { title: "spin, angle", words: true },
-      { title: "shots" },
+      ...["begun, UTC", "rig", "spin, angle"].map((title) => ({ title, words: true })),
+      "shots",
       { title: "its series", hidden: true, words: true },
       { title: "its report", hidden: true, words: true },
     ],
@@ -68,13 +61,11 @@ class SessionHistory {
     fill(
       main,
       h("div", { class: "view-head" }, viewHeading(`Shots of ${session}`), this.filter(show)),
-      h(
-        "p",
-        { class: "links" },
-        h("a", { href: routeTo("history") }, "All sessions"),
-        h("a", { href: routeTo("series", [session]) }, "Series"),
-        h("a", { href: routeTo("report", [session]) }, "Report"),
-      ),
+      links([
+        [routeTo("history"), "All sessions"],
+        [routeTo("series", [session]), "Series"],
+        [routeTo("report", [session]), "Report"],
+      ]),
       this.rows.element,
       this.note,
       this.older,
@@ -85,35 +76,26 @@ class SessionHistory {
     );
     observer.observe(this.older);
     signal.addEventListener("abort", () => observer.disconnect());
-    live.addEventListener("shot", ({ detail }) => detail.session === session && this.arrive(detail), {
-      signal,
-    });
-    live.addEventListener("edited", ({ detail }) => detail.session === session && this.edited(detail.shot), {
-      signal,
-    });
-    live.addEventListener("live", () => live.session === session && this.reload(), { signal });
+    const on = (kind, act) =>
+      live.addEventListener(kind, ({ detail }) => (detail ?? live).session === session && act(detail), { signal });
+    on("shot", (shot) => this.arrive(shot));
+    on("edited", ({ shot }) => this.edited(shot));
+    on("live", () => this.reload());
     this.observer = observer;
     this.load();
   }
 
   filter(show) {
-    const select = h(
-      "select",
-      {
-        onchange: () => {
-          this.rows.filter(select.value);
-          this.tell();
-          this.fillScreen();
-        },
-      },
-      [
-        ["all", "all shots"],
-        ["counted", "counted"],
-        ["rejected", "rejected"],
-      ].map(([value, words]) => h("option", { value }, words)),
-    );
-    select.value = ["counted", "rejected"].includes(show) ? show : "all";
-    return h("label", { class: "choice" }, h("span", {}, "Show"), select);
+    const options = [
+      ["all", "all shots"],
+      ["counted", "counted"],
+      ["rejected", "rejected"],
+    ];
+    return choice("Show", options, ["counted", "rejected"].includes(show) ? show : "all", (chosen) => {
+      this.rows.filter(chosen);
+      this.tell();
+      this.fillScreen();
+    }).element;
   }
 
   async load() {
@@ -172,5 +154,85 @@ class SessionHistory {
       read === 0 && !this.more
         ? "No shot yet."
         : `${count(shown, "shot")}${of}${this.more ? ", older ones follow" : ", that is all"}.`;
+  }
+}
+
+/// Those that tell shots apart at a glance; all are a click away.
+const SHOWN = ["vx_td_mps", "vx_lo_mps", "omega_lo_radps", "e", "mu"];
+
+export class ShotRows {
+  constructor(session, quantities, show) {
+    Object.assign(this, { session, show, shots: new Map() });
+    this.quantities = SHOWN.map((name) => quantities.find((q) => q.name === name)).filter(Boolean);
+    const columns = [
+      "shot",
+      { title: "fired, UTC", words: true },
+      { title: "spin, angle", words: true },
+      ...this.quantities.map((q) => ({ title: q.label, unit: unitWords(q.unit) })),
+      { title: "counts", words: true },
+      { title: "why not, flags", words: true },
+    ];
+    const look = { hideCaption: true, className: "rows shot-rows" };
+    this.element = table("Shots, newest first", columns, [], look);
+    this.body = this.element.querySelector("tbody");
+  }
+
+  append(shots) {
+    const fresh = shots.filter((shot) => !this.shots.has(String(shot.name)));
+    this.body.append(...fresh.map((shot) => this.add(shot)).filter(Boolean));
+  }
+
+  /// A shot that is there already is shown anew in its place.
+  prepend(shot) {
+    const known = this.shots.get(String(shot.name));
+    const row = this.add(shot);
+    if (known?.row) return row ? known.row.replaceWith(row) : known.row.remove();
+    if (!known) this.shots = new Map([[String(shot.name), { shot, row }], ...this.shots]);
+    if (row) this.body.prepend(row);
+  }
+
+  clear() {
+    this.shots.clear();
+    this.body.replaceChildren();
+  }
+
+  filter(show) {
+    this.show = show;
+    this.body.replaceChildren(...[...this.shots.values()].map(({ shot }) => this.add(shot)).filter(Boolean));
+  }
+
+  get read() {
+    return this.shots.size;
+  }
+
+  get shown() {
+    return this.body.rows.length;
+  }
+
+  /// The row, or null where the shot is not wanted.
+  add(shot) {
+    const wanted = this.show === "all" || (this.show === "rejected") === !shot.counted;
+    const row = wanted ? this.row(shot) : null;
+    this.shots.set(String(shot.name), { shot, row });
+    return row;
+  }
+
+  row(shot) {
+    const { level, text } = verdict(shot);
+    const number = (q) => {
+      const known = shot.values?.[q.name];
+      return h("td", { class: "number", "data-label": q.label }, rounded(known?.value, known?.sd));
+    };
+    const name = String(shot.name);
+    return h(
+      "tr",
+      {},
+      h("th", { scope: "row" }, h("a", { href: routeTo("shot", [shot.session ?? this.session, name]) }, name)),
+      h("td", { class: "words fired" }, dateAndTime(shot.utc)),
+      h("td", { class: "words" }, condition(shot)),
+      this.quantities.map(number),
+      h("td", { class: "words verdict-cell" }, level === "plain" ? text : badge(level, text)),
+      h("td", { class: "words reason" }, remarks(shot)),
+    );
   }
 }

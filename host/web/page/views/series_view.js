@@ -1,13 +1,11 @@
 // A series as run charts, a summary, and a table of all its shots: the live one as it grows, or any other.
-import { getJson, path, withQuery } from "../live/api.js";
-import { drawAtWidth, RunChart } from "../charts/run_chart.js";
-import { legend } from "../charts/legend.js";
-import { fill, h, refill } from "../parts/dom.js";
-import { details, problem, quiet, viewHeading } from "../parts/notices.js";
-import { pointsTable, summaryTable } from "../parts/series_summary.js";
-import { routeTo } from "../words/routes.js";
-import { outlierWords } from "../words/series.js";
-import { condition } from "../words/shots.js";
+import { drawAtWidth, legend, RunChart } from "../charts/run_chart.js";
+import { getJson, path } from "../live/api.js";
+import { attempt, details, fill, h, links, list, quiet, refill, viewHeading } from "../parts/dom.js";
+import { QUANTITY, table, UNIT } from "../parts/table.js";
+import { ABSENT, fixed, rounded, signed, unitWords } from "../words/numbers.js";
+import { routeTo, withQuery } from "../words/routes.js";
+import { condition, digitsOf, outlierWords, shotsWords } from "../words/shots.js";
 
 export function seriesAddress(session, { spin, angle_deg }) {
   return withQuery(path("sessions", session, "series"), { spin, angle: angle_deg });
@@ -48,18 +46,14 @@ class SeriesView {
     this.numbers.addEventListener("toggle", () => this.showPoints());
   }
 
-  async fetch({ spin, angle }) {
+  fetch({ spin, angle }) {
     const words = condition({ spin, angle_deg: angle === undefined ? NaN : Number(angle) });
     this.heading.textContent = ["Series", words, "of", this.session].filter(Boolean).join(" ");
     fill(this.summary, quiet("Reading the session."));
-    try {
-      this.take(
-        await getJson(withQuery(path("sessions", this.session, "series"), { spin, angle }), this.signal),
-      );
-    } catch (error) {
-      if (error.name !== "AbortError")
-        fill(this.summary, problem(`Series of ${this.session}: ${error.message}.`));
-    }
+    const address = withQuery(path("sessions", this.session, "series"), { spin, angle });
+    return attempt(this.summary, `Series of ${this.session}`, async () =>
+      this.take(await getJson(address, this.signal)),
+    );
   }
 
   take(series) {
@@ -74,31 +68,20 @@ class SeriesView {
   show() {
     const { series } = this;
     if (!series?.summary) return fill(this.summary, quiet("No series yet: it begins with the first shot."));
-    const outliers = outlierWords(this.live.quantities, series.summary);
+    const { session } = this;
     refill(
       this.summary,
       summaryTable(this.quantities, series),
-      outliers.length > 0 &&
-        h(
-          "ul",
-          { class: "flags" },
-          outliers.map((words) => h("li", {}, words)),
-        ),
-      this.links(),
+      list("flags", outlierWords(this.live.quantities, series.summary)),
+      session &&
+        links([
+          [routeTo("history", [session]), "All shots"],
+          [routeTo("compare", [], { first: session }), "Compare with another"],
+          [routeTo("report", [session]), "Report"],
+        ]),
     );
     this.showCharts();
     this.showPoints();
-  }
-
-  links() {
-    if (!this.session) return null;
-    return h(
-      "p",
-      { class: "links" },
-      h("a", { href: routeTo("history", [this.session]) }, "All shots"),
-      h("a", { href: routeTo("compare", [], { first: this.session }) }, "Compare with another"),
-      h("a", { href: routeTo("report", [this.session]) }, "Report"),
-    );
   }
 
   showCharts() {
@@ -124,4 +107,55 @@ class SeriesView {
   openShot(name) {
     if (this.session) location.hash = routeTo("shot", [this.session, name]);
   }
+}
+
+export function summaryTable(quantities, series) {
+  const { summary } = series;
+  const beside = series.thesis ?? null;
+  const rows = quantities
+    .filter((q) => summary.quantities?.[q.name]?.n > 0)
+    .map((q) => summaryRow(q, summary.quantities[q.name], beside));
+  const columns = [QUANTITY, UNIT, "mean", "± 95 %", "total sd", "scatter", "std error", "shared", "n"];
+  if (beside) columns.push("thesis", "± sd", "off by, its sd");
+  return table(`${summary.series || "Series"}: ${shotsWords(summary)}`, columns, rows);
+}
+
+function summaryRow(q, s, beside) {
+  const sd = digitsOf(s);
+  const cell = (number) => (Number.isFinite(number) ? rounded(number, sd) : ABSENT);
+  const cells = [
+    unitWords(q.unit),
+    cell(s.mean),
+    cell(s.expanded_uncertainty),
+    cell(s.total_sd),
+    cell(s.scatter_sd),
+    cell(s.standard_error),
+    cell(s.shared_sd),
+    String(s.n),
+  ];
+  return { head: q.label, cells: beside ? [...cells, ...thesisCells(beside[q.name], s.mean)] : cells };
+}
+
+function thesisCells(row, mean) {
+  if (!row || !Number.isFinite(row.value)) return ["", "", ""];
+  const off = Number.isFinite(mean) && row.sd > 0 ? signed((mean - row.value) / row.sd, 1) : "";
+  return [fixed(row.value, 2), `± ${fixed(row.sd, 2)}`, off];
+}
+
+export function pointsTable(quantities, series) {
+  const number = (known) => (Number.isFinite(known?.value) ? rounded(known.value, known.sd) : ABSENT);
+  const rows = series.points.map((point) => ({
+    head: point.name,
+    class: point.counted ? null : "rejected",
+    cells: [
+      ...quantities.map((q) => number(point.values?.[q.name])),
+      point.counted ? "counted" : `rejected: ${point.rejected ?? "not counted"}`,
+    ],
+  }));
+  const columns = [
+    "shot",
+    ...quantities.map((q) => ({ title: q.label, unit: unitWords(q.unit) })),
+    { title: "counts", words: true },
+  ];
+  return table("All shots of the series", columns, rows, { hideCaption: true });
 }

@@ -1,15 +1,13 @@
 // The last shot as it comes, or any shot of any session: photograph, numbers, what is wrong with it.
 import { getJson, path } from "../live/api.js";
+import {
+  attempt, badge, details, fill, h, links, list, problem, quiet, refill, setAttributes, viewHeading,
+} from "../parts/dom.js";
+import { essentialsTable, hasNumbers, shotDetails, trainTable } from "../parts/shot_details.js";
 import { mountPhotograph } from "../photograph.js";
-import { fill, h, refill } from "../parts/dom.js";
-import { essentialsTable, hasNumbers } from "../parts/essentials.js";
-import { badge, problem, quiet, viewHeading } from "../parts/notices.js";
-import { notificationList } from "../parts/notifications.js";
-import { shotDetails, trainTable } from "../parts/shot_details.js";
-import { afarButton } from "../parts/afar.js";
+import { dateAndTime, timeOfDay } from "../words/numbers.js";
 import { routeTo } from "../words/routes.js";
 import { condition, digitizationWords, flagWords, verdict } from "../words/shots.js";
-import { dateAndTime } from "../words/times.js";
 import { seriesAddress } from "./series_view.js";
 
 const RETRY_DELAYS_MS = [200, 500, 1000, 2000];
@@ -23,14 +21,8 @@ export function shotView(main, { live, route, signal }) {
 
 class ShotView {
   constructor(main, live, signal) {
-    Object.assign(this, {
-      live,
-      signal,
-      shown: null,
-      series: null,
-      photograph: null,
-      kept: { open: new Set(), budgetOf: null },
-    });
+    Object.assign(this, { live, signal, shown: null, series: null, photograph: null });
+    this.kept = { open: new Set(), budgetOf: null };
     this.heading = viewHeading("Shot");
     this.facts = h("p", { class: "shot-facts" });
     this.newer = h("p", { class: "newer", role: "status" });
@@ -57,15 +49,12 @@ class ShotView {
     live.addEventListener("edited", ({ detail }) => this.edited(detail), { signal });
   }
 
-  async pin(session, name) {
-    try {
+  pin(session, name) {
+    return attempt(this.numbers, `Shot ${name} of ${session}`, async () => {
       const detail = await getJson(path("sessions", session, "shots", name), this.signal);
       this.show({ ...detail, session, name }, detail);
       this.fetchSeries(session, detail);
-    } catch (error) {
-      if (error.name !== "AbortError")
-        fill(this.numbers, problem(`Shot ${name} of ${session}: ${error.message}.`));
-    }
+    });
   }
 
   /// Without it the shot is shown alone.
@@ -132,17 +121,9 @@ class ShotView {
     this.shown = row;
     this.detail = detail;
     this.heading.textContent = `Shot ${row.name}`;
-    fill(
-      this.facts,
-      [
-        condition(row),
-        row.regime,
-        digitizationWords(row.digitization),
-        row.utc && `${dateAndTime(row.utc)} UTC`,
-      ]
-        .filter(Boolean)
-        .map((words) => h("span", {}, words)),
-    );
+    const utc = row.utc && `${dateAndTime(row.utc)} UTC`;
+    const facts = [condition(row), row.regime, digitizationWords(row.digitization), utc].filter(Boolean);
+    fill(this.facts, ...facts.map((words) => h("span", {}, words)));
     this.showVerdict();
     this.showNumbers();
     this.showPhotograph(isNew);
@@ -167,12 +148,7 @@ class ShotView {
     fill(
       this.verdict,
       h("p", {}, badge(level, text), reason && ` ${reason}`),
-      words.length > 0 &&
-        h(
-          "ul",
-          { class: "flags", "aria-label": "Flags" },
-          words.map((w) => h("li", {}, w)),
-        ),
+      list("flags", words, { "aria-label": "Flags" }),
       this.detail?.advice && h("p", { class: "advice" }, h("strong", {}, "What to do: "), this.detail.advice),
     );
   }
@@ -192,14 +168,8 @@ class ShotView {
     if (isNew) {
       this.photograph?.destroy();
       this.photograph = null;
-      fill(
-        this.picture,
-        quiet(
-          this.shown.session
-            ? "The photograph is on its way."
-            : "No session is kept, so there is no photograph to show.",
-        ),
-      );
+      const none = "No session is kept, so there is no photograph to show.";
+      fill(this.picture, quiet(this.shown.session ? "The photograph is on its way." : none));
     }
     if (!this.detail) return;
     if (this.photograph) return this.photograph.update(this.detail);
@@ -219,19 +189,13 @@ class ShotView {
   }
 
   links() {
-    const { session } = this.shown;
+    const { session, name, spin, angle_deg: angle } = this.shown;
     if (!session) return null;
-    return h(
-      "p",
-      { class: "links" },
-      h("a", { href: routeTo("history", [session]) }, "All shots of this session"),
-      h(
-        "a",
-        { href: routeTo("series", [session], { spin: this.shown.spin, angle: this.shown.angle_deg }) },
-        "Its series",
-      ),
-      h("a", { href: routeTo("shot", [session, this.shown.name]) }, "Link to this shot"),
-    );
+    return links([
+      [routeTo("history", [session]), "All shots of this session"],
+      [routeTo("series", [session], { spin, angle }), "Its series"],
+      [routeTo("shot", [session, name]), "Link to this shot"],
+    ]);
   }
 
   showNotes() {
@@ -239,11 +203,10 @@ class ShotView {
   }
 
   showNone() {
-    const history = h("a", { href: routeTo("history") }, "the history");
     fill(
       this.verdict,
       quiet("No shot yet since strobe was started."),
-      h("p", {}, "Earlier ones are in ", history, "."),
+      h("p", {}, "Earlier ones are in ", h("a", { href: routeTo("history") }, "the history"), "."),
     );
   }
 }
@@ -263,4 +226,40 @@ function part(title, name, content) {
     h("h2", { class: "visually-hidden" }, title),
     content,
   );
+}
+
+let afar = false;
+
+/// Numbers that fill the screen, to be read from across the room.
+function afarButton(signal) {
+  const show = (on) => {
+    document.body.classList.toggle("afar", on);
+    setAttributes(button, { "aria-pressed": String(afar) });
+  };
+  const toggle = () => {
+    afar = !afar;
+    show(afar);
+  };
+  const button = h("button", { type: "button", class: "afar-button", onclick: toggle }, "Read from afar");
+  show(afar);
+  signal.addEventListener("abort", () => show(false));
+  return button;
+}
+
+const SHOWN = 5;
+
+/// What the host has told lately: the newest five, the others on demand.
+function notificationList(notifications) {
+  if (notifications.length === 0) return null;
+  const newest = [...notifications].reverse();
+  const item = ({ utc, text }) => h("li", {}, h("time", { datetime: utc }, timeOfDay(utc)), ` ${text}`);
+  return [
+    h("h2", {}, "Messages"),
+    h("ol", { class: "plain-list" }, newest.slice(0, SHOWN).map(item)),
+    newest.length > SHOWN &&
+      details(
+        `${newest.length - SHOWN} earlier`,
+        h("ol", { class: "plain-list" }, newest.slice(SHOWN).map(item)),
+      ),
+  ];
 }

@@ -1,27 +1,24 @@
 // How exactly the rig keeps its times: histograms since the firmware started, in words and bars.
+import { roundTicks } from "../charts/run_chart_model.js";
 import { getJson, path } from "../live/api.js";
-import { histogram } from "../charts/histogram.js";
-import { fill, h, refill } from "../parts/dom.js";
-import { problem, quiet, viewHeading } from "../parts/notices.js";
+import { fill, h, list, problem, quiet, showIfNew, svg, viewHeading } from "../parts/dom.js";
 import { table } from "../parts/table.js";
 import { fixed } from "../words/numbers.js";
-import { clockWords, spread, TIMINGS } from "../words/timing.js";
+import { clockWords, spread, TIMINGS } from "../words/rig.js";
 
 const REFRESH_MS = 5000;
 
 export function timingView(main, { live, signal }) {
   const place = h("div", {}, quiet("Asking the host."));
   fill(main, viewHeading("Timing"), place);
-  let shown = "";
+  let isShown = false;
   const load = async () => {
     if (live.state.status?.state === "never_heard") return fill(place, quiet("No firmware was heard yet."));
     try {
-      const timing = await getJson(path("timing"), signal);
-      const text = JSON.stringify(timing);
-      if (text !== shown) refill(place, content(timing));
-      shown = text;
+      showIfNew(place, await getJson(path("timing"), signal), content);
+      isShown = true;
     } catch (error) {
-      if (error.name !== "AbortError" && shown === "") fill(place, problem(`Timing: ${error.message}.`));
+      if (error.name !== "AbortError" && !isShown) fill(place, problem(`Timing: ${error.message}.`));
     }
   };
   load();
@@ -48,14 +45,7 @@ function content({ timing, clock, rejected, unverified }) {
     known.length > 0 && figures(known, timing),
     h("h2", {}, "Clock"),
     h("p", {}, clockWords(clock) || "not known"),
-    ignored.length > 0 && [
-      h("h2", {}, "Ignored"),
-      h(
-        "ul",
-        { class: "plain-list" },
-        ignored.map((words) => h("li", {}, words)),
-      ),
-    ],
+    ignored.length > 0 && [h("h2", {}, "Ignored"), list("plain-list", ignored)],
   ];
 }
 
@@ -86,7 +76,7 @@ function figures(known, timing) {
   }));
   return table(
     "In microseconds",
-    [{ title: "time", hidden: true }, ...names.map(([title]) => ({ title })), { title: "n" }],
+    [{ title: "time", hidden: true }, ...names.map(([title]) => title), "n"],
     rows,
   );
 }
@@ -95,4 +85,44 @@ function counts(object, what) {
   return Object.entries(object ?? {})
     .filter(([, n]) => n > 0)
     .map(([why, n]) => `${what}: ${n} ${why.replaceAll("_", " ")}`);
+}
+
+const WIDTH = 420,
+  HEIGHT = 130,
+  BOTTOM = 20,
+  SIDE = 14;
+
+/// Heights between 0 and 1: log(n) over the largest's, at least a sliver for a single one.
+export function barHeights(bins) {
+  const most = Math.max(...bins, 1);
+  return bins.map((n) => (n <= 0 ? 0 : most === 1 ? 1 : 0.1 + (0.9 * Math.log(n)) / Math.log(most)));
+}
+
+export function histogram({ bin_first: first, bin_width: width, bins }) {
+  if (!bins?.length || !(width > 0)) return null;
+  const last = first + width * bins.length;
+  const x = (value) => SIDE + ((value - first) / (last - first)) * (WIDTH - 2 * SIDE);
+  const floor = HEIGHT - BOTTOM;
+  const bars = barHeights(bins).map(
+    (height, i) =>
+      height > 0 &&
+      svg("rect", {
+        class: "bar-of-counts",
+        x: x(first + i * width) + 0.5,
+        y: floor - height * (floor - 6),
+        height: height * (floor - 6),
+        width: Math.max(1, x(first + (i + 1) * width) - x(first + i * width) - 1),
+      }),
+  );
+  const { ticks, decimals } = roundTicks(first, last, 5);
+  const labels = ticks.map((tick) =>
+    svg("text", { x: x(tick), y: HEIGHT - 5, "text-anchor": "middle" }, fixed(tick, decimals)),
+  );
+  return svg(
+    "svg",
+    { class: "histogram", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, "aria-hidden": "true" },
+    svg("path", { class: "axis", d: `M${SIDE} ${floor}H${WIDTH - SIDE}` }),
+    bars,
+    labels,
+  );
 }

@@ -1,4 +1,5 @@
-// Numbers as the terminal shows them (host/text/text.cpp). Pure.
+// Numbers and times for a person: numbers with as many decimals as in the terminal, times always UTC, as in the files of a session.
+// Pure.
 
 const MINUS = "\u2212";
 export const ABSENT = "–";
@@ -10,24 +11,11 @@ export function decimalsFor(sd, least = 0) {
   return Math.min(Math.max(decimals, least), 6);
 }
 
-/// Like printf's %.nf: a tie goes to the even digit, where toFixed goes away from zero.
+/// A rounded zero has no sign.
 export function fixed(value, decimals) {
   if (!Number.isFinite(value)) return ABSENT;
-  const magnitude = Math.abs(value);
-  let text = magnitude.toFixed(decimals);
-  if (magnitude < 1e15 && isTie(magnitude, decimals) && isOdd(text))
-    text = (Number(text) - 10 ** -decimals).toFixed(decimals);
+  const text = Math.abs(value).toFixed(decimals);
   return value < 0 && Number(text) !== 0 ? MINUS + text : text;
-}
-
-/// Every double has finitely many decimals, and toFixed computes them exactly.
-function isTie(magnitude, decimals) {
-  const beyond = magnitude.toFixed(100).split(".")[1].slice(decimals);
-  return /^50*$/.test(beyond);
-}
-
-function isOdd(text) {
-  return Number(text.at(-1)) % 2 === 1;
 }
 
 export function rounded(value, sd, least = 0) {
@@ -81,4 +69,23 @@ export function microseconds(us) {
 
 export function count(n, one, many = `${one}s`) {
   return `${n} ${n === 1 ? one : many}`;
+}
+
+/// "2026-11-23 14:02:11"
+export function dateAndTime(utc) {
+  return utc ? utc.slice(0, 19).replace("T", " ") : "";
+}
+
+/// "14:02:11"
+export function timeOfDay(utc) {
+  return utc ? utc.slice(11, 19) : "";
+}
+
+/// "8 s", "3 min", "5 h", "12 days"
+export function duration(seconds) {
+  if (!Number.isFinite(seconds)) return "an unknown time";
+  if (seconds < 100) return `${Math.round(seconds)} s`;
+  if (seconds < 100 * 60) return `${Math.round(seconds / 60)} min`;
+  if (seconds < 48 * 3600) return `${Math.round(seconds / 3600)} h`;
+  return `${Math.round(seconds / 86400)} days`;
 }

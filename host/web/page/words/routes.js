@@ -1,20 +1,14 @@
 // Addresses of views behind the page's #: "#/series/2026-11-23?spin=zero". Pure.
 
-export const VIEWS = [
-  { name: "shot", title: "Shot" },
-  { name: "series", title: "Series" },
-  { name: "history", title: "History" },
-  { name: "compare", title: "Compare" },
-  { name: "timing", title: "Timing" },
-  { name: "commission", title: "Commission" },
-  { name: "report", title: "Report" },
-];
+export const VIEWS = ["shot", "series", "history", "compare", "timing", "commission", "report"];
+
+export const titleOf = (view) => `${view[0].toUpperCase()}${view.slice(1)}`;
 
 /// {view, parts: [...], query: {...}}; an unknown view is the first.
 export function parseRoute(hash) {
   const [path, search = ""] = hash.replace(/^#?\/?/, "").split("?");
   const [view, ...parts] = path.split("/").filter(Boolean).map(decoded);
-  const known = VIEWS.some((v) => v.name === view) ? view : VIEWS[0].name;
+  const known = VIEWS.includes(view) ? view : VIEWS[0];
   return {
     view: known,
     parts: known === view ? parts : [],
@@ -23,11 +17,13 @@ export function parseRoute(hash) {
 }
 
 export function routeTo(view, parts = [], query = {}) {
-  const filled = Object.entries(query).filter(
-    ([, value]) => value !== null && value !== undefined && value !== "",
-  );
-  const search = new URLSearchParams(filled.map(([key, value]) => [key, String(value)])).toString();
-  return `#/${[view, ...parts].map(encodeURIComponent).join("/")}${search ? `?${search}` : ""}`;
+  return withQuery(`#/${[view, ...parts].map(encodeURIComponent).join("/")}`, query);
+}
+
+/// What is null, undefined or empty is left out.
+export function withQuery(address, query) {
+  const filled = Object.entries(query).filter(([, value]) => (value ?? "") !== "");
+  return filled.length > 0 ? `${address}?${new URLSearchParams(filled)}` : address;
 }
 
 function decoded(part) {

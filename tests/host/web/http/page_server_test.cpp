@@ -1,15 +1,13 @@
 // The server over real sockets.
-#include "host/web/http/page_server.hpp"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <fmt/format.h>
 #include <mutex>
 #include <set>
 #include <vector>
 
+#include "host/web/http/page_server.hpp"
 #include "tests/host/web/http/raw_client.hpp"
 #include "tests/support/string_from.hpp"
 
@@ -75,7 +73,7 @@ TEST_GROUP(WebServer) {
   void teardown() override { gated.open(); }
 
   void serve(Limits limits = {}) {
-    auto opened = PageServer::open({"127.0.0.1", 0, "", limits}, router, hub);
+    auto opened = PageServer::open({{"127.0.0.1", 0}, limits}, router, hub);
     CHECK_TEXT(opened.has_value(), opened ? "" : opened.error().message.c_str());
     server = std::move(*opened);
   }
@@ -172,8 +170,8 @@ TEST(WebServer, RefusesWhatIsMalformedOrTooLargeAndNothingIsDone) {
     CHECK_EQUAL("HTTP/1.1 400 Bad Request", first_line(bytes));
   CHECK_EQUAL("HTTP/1.1 431 Request Header Fields Too Large",
               first_line(get("/", "A: " + std::string(17000, 'x') + "\r\n")));
-  CHECK_EQUAL("HTTP/1.1 413 Content Too Large", first_line(post("/api/v1/stop", std::string(300000, ' '))));
-  CHECK_EQUAL("HTTP/1.1 413 Content Too Large",
+  CHECK_EQUAL("HTTP/1.1 413 Payload Too Large", first_line(post("/api/v1/stop", std::string(300000, ' '))));
+  CHECK_EQUAL("HTTP/1.1 413 Payload Too Large",
               first_line("POST /api/v1/stop HTTP/1.1\r\nHost: localhost\r\nContent-Type: "
                          "application/json\r\nContent-Length: "
                          "9999999999\r\n\r\n"));
@@ -199,7 +197,7 @@ TEST(WebServer, RefusesOtherSitesAndMethodsAndNothingIsDone) {
 }
 
 TEST(WebServer, OnAnyAddressAsksForTheSecret) {
-  auto opened = PageServer::open({"0.0.0.0", 0, "", {}}, router, hub);
+  auto opened = PageServer::open({{"0.0.0.0", 0}}, router, hub);
   CHECK(opened.has_value());
   server = std::move(*opened);
   const std::string secret = server->secret();
@@ -222,7 +220,7 @@ TEST(WebServer, OnAnyAddressAsksForTheSecret) {
 
 TEST(WebServer, NamesATakenPort) {
   serve();
-  const auto second = PageServer::open({"127.0.0.1", server->port(), "", {}}, router, hub);
+  const auto second = PageServer::open({{"127.0.0.1", server->port()}}, router, hub);
   CHECK(!second);
   CHECK_EQUAL(fmt::format("127.0.0.1:{}: Address already in use", server->port()), second.error().message);
 }
@@ -395,4 +393,41 @@ TEST(WebServer, EndsAlthoughAViewerDoesNotRead) {
   viewer.send(get("/api/v1/events"));
   for (int i = 0; i < 20; ++i) hub.publish("series", std::string(100000, 'x'));
   CHECK(server->end());
+}
+
+using strobe::web::ListenAddress;
+using strobe::web::parse_listen_address;
+
+TEST_GROUP(WebListenAddress){static void takes(std::string_view text, const std::string& address,
+                                               int port){const auto read = parse_listen_address(text);
+CHECK_TEXT(read.has_value(), std::string(text).c_str());
+CHECK_EQUAL(address, read->address);
+LONGS_EQUAL(port, read->port);
+}
+}
+;
+
+TEST(WebListenAddress, HasADefaultForWhatIsLeftOut) {
+  takes("", "127.0.0.1", 8650);
+  takes("9000", "127.0.0.1", 9000);
+  takes("0", "127.0.0.1", 0);
+  takes("192.168.1.7", "192.168.1.7", 8650);
+  takes("localhost", "127.0.0.1", 8650);
+  takes("[::1]", "::1", 8650);
+}
+
+TEST(WebListenAddress, IsAnAddressInFiguresAndAPort) {
+  takes("0.0.0.0:80", "0.0.0.0", 80);
+  takes("localhost:65535", "127.0.0.1", 65535);
+  takes("[fe80::1]:0", "fe80::1", 0);
+}
+
+TEST(WebListenAddress, IsRefusedOtherwiseWithWhatWasGiven) {
+  for (const char* text :
+       {"lab-pc", "lab-pc:80", "65536", "127.0.0.1:65536", "127.0.0.1:", ":8650", "127.0.0.1:+1", "::1",
+        "[::1", "[::1]8650", "[1.2.3.4]:1", "1.2.3:4", "-1", " ", "127.0.0.1:1 "}) {
+    const auto read = parse_listen_address(text);
+    CHECK_TEXT(!read, text);
+    STRCMP_CONTAINS(text, read.error().message.c_str());
+  }
 }
