@@ -42,8 +42,9 @@ Result<Shot> reduced_by(const Shot& shot, reduction::Estimator estimator,
 /// is, or empty; its rows keep their order, those of shots that the session does not tell of stay as they are.
 std::string results_table(const StoredSession& session, const std::vector<ResultsRow>& existing);
 
-/// Writes the table, and the data dictionary beside it; what the session's own results.csv has is taken into account. It is
-/// the old file or the new one at any time. Fails with the name of a file that cannot be read or written. No host may be writing there.
+/// Writes the table, and the data dictionary beside it; what the session's own results.csv has is taken into
+/// account. It is the old file or the new one at any time. Fails with the name of a file that cannot be read
+/// or written. No host may be writing there.
 Result<void> rebuild_results(const StoredSession& session, const std::filesystem::path& file);
 
 }  // namespace strobe::host

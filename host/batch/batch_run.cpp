@@ -120,8 +120,8 @@ void BatchRun::finish_unread(const BatchSession& session, const std::string& why
   unread.place = session;
   Shot none;
   none.rejected = "session not read: " + why;
-  unread.lines = {
-      fmt::format("{},{},,{},,{}", results_line(none), data::csv_cell(session.name), name(RowSource::none), id_)};
+  unread.lines = {fmt::format("{},{},,{},,{}", results_line(none), data::csv_cell(session.name),
+                              name(RowSource::none), id_)};
   ++progress_.unread_sessions;
   listener_({session.name, nullptr, unread.lines.front(), true, false}, progress_);
   finish_session(unread);

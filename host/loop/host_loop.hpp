@@ -1,6 +1,6 @@
 // The one loop of a host, whatever runs it (fire, live, replay, the soak test): messages in, the session kept,
 // photographs matched and measured, lost events requested again, shot results handed to the listeners.
-// With the lab's key, nothing is acted on that is not sealed with it (packet_check.hpp); without one, what is
+// With the lab's key, nothing is acted on that is not sealed with it (PacketCheck); without one, what is
 // seen is marked as unverified, and nothing can be sent.
 //
 // Transport and clock are ports, so that it runs on virtual time as well. Single-threaded; run_once() blocks
@@ -139,7 +139,7 @@ class HostLoop final : private MessageHandler {
   std::optional<strobe_msgs::status_t> live_status() const { return session_.live_status(now_); }
   /// Why nothing may be armed although the status does not say so: another rig has the name. Empty: it may.
   std::string second_rig() const { return session_.boots().problem(now_); }
-  /// The rig is heard and does not answer (answer_watch.hpp), for a person; empty: it does, as far as is known.
+  /// The rig is heard and does not answer (AnswerWatch), for a person; empty: it does, as far as is known.
   std::string unanswered() const { return live_status() ? answers_.problem(now_) : ""; }
   HostTime now() const { return now_; }
   /// When the last message came.

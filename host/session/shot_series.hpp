@@ -1,10 +1,11 @@
 // Firing a series: arm, fire, wait for the readout, fire rejected shots again, until all have come or the
-// retries are used up. It acts only on what answers it: on shots of the boot that gave this host the token, with
-// this host's id, later than the token; on refusals later than the command. So a log that is played back, whose
-// seals are good, ends no shot.
+// retries are used up. It acts only on what answers it: on shots of the boot that gave this host the token,
+// with this host's id, later than the token; on refusals later than the command. So a log that is played
+// back, whose seals are good, ends no shot.
 //
-// It begins by a person's act, which resets a stop from before. A stop that comes then (key, e-stop, DISARM, a fault, a
-// firmware that was started anew) ends it with the shot under way: what returns later starts nothing. A state machine on messages and the host's clock; no I/O; single-threaded.
+// It begins by a person's act, which resets a stop from before. A stop that comes then (key, e-stop, DISARM,
+// a fault, a firmware that was started anew) ends it with the shot under way: what returns later starts
+// nothing. A state machine on messages and the host's clock; no I/O; single-threaded.
 #pragma once
 
 #include <cstdint>

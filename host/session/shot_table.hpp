@@ -1,8 +1,9 @@
-// What is said of a shot, once for all who say it: each field's name, unit, meaning and text. results.csv, its header and
-// data dictionary (NAME.csv-metadata.json beside each table) are made of it, as are the columns of flashes.csv; and
-// results.csv read back. A file grows by whole lines over any number of runs (record_file.hpp). ResultsCsv writes a file, one
-// thread's; the functions are pure but for read_results_rows(), thread-safe, and allocate.
-// Source: W3C, Metadata Vocabulary for Tabular Data (2015); units by UCUM (ucum.org).
+// What is said of a shot, once for all who say it: each field's name, unit, meaning and text. results.csv,
+// its header and data dictionary (NAME.csv-metadata.json beside each table) are made of it, as are the
+// columns of flashes.csv; and results.csv read back. A file grows by whole lines over any number of runs
+// (record_file.hpp). ResultsCsv writes a file, one thread's; the functions are pure but for
+// read_results_rows(), thread-safe, and allocate. Source: W3C, Metadata Vocabulary for Tabular Data (2015);
+// units by UCUM (ucum.org).
 #pragma once
 
 #include <array>
@@ -122,15 +123,15 @@ struct ResultsRow {
 /// Of a boot, hexadecimal, and a shot's number; absent: they are not both whole numbers.
 std::optional<ShotKey> shot_key_in(std::string_view boot_id, std::string_view shot_id);
 
-/// Rows of any text: the header and lines that do not begin with a time, a boot and a shot are left out, as is a last line
-/// that was cut short. Quoted fields may hold line ends.
+/// Rows of any text: the header and lines that do not begin with a time, a boot and a shot are left out, as
+/// is a last line that was cut short. Quoted fields may hold line ends.
 std::vector<ResultsRow> parse_results(std::string_view text);
 
 /// Those of a file, of any size; none if there is no such file. Fails with its name if it cannot be read.
 Result<std::vector<ResultsRow>> read_results_rows(const std::filesystem::path& file);
 
-/// What a person calls the shots of a session, in their order: the shot's number; where an earlier one has that, with as many
-/// hexadecimal digits of its boot as tell it apart, six or more: "3/1f2e4d".
+/// What a person calls the shots of a session, in their order: the shot's number; where an earlier one has
+/// that, with as many hexadecimal digits of its boot as tell it apart, six or more: "3/1f2e4d".
 std::vector<std::string> shot_names(const std::vector<ShotKey>& shots);
 
 }  // namespace strobe::host

@@ -150,8 +150,8 @@ TEST_GROUP(ShotBudget) {
 TEST(ShotBudget, OfAMixtureSumsUpToItsSdWithALineForTheAssignment) {
   const auto result = host::shot_readout(made.shot, made.frame, with_budgets);
   CHECK_TRUE(result.readout.assignments->hypotheses > 1);
-  CHECK_TRUE(result.assembled.has_value());
-  const reduction::Budget budget = reduction::mixture_budget(result.assembled->frame, result.readout);
+  CHECK_TRUE(result.matched.has_value());
+  const reduction::Budget budget = reduction::mixture_budget(*result.matched, result.readout);
   for (const Quantity q : {Quantity::vx_td_mps, Quantity::vy_lo_mps, Quantity::e, Quantity::mu}) {
     double assignment = 0.0, combined = 0.0;
     for (const auto& source : budget.sources) {
@@ -165,7 +165,7 @@ TEST(ShotBudget, OfAMixtureSumsUpToItsSdWithALineForTheAssignment) {
 }
 
 TEST(ShotBudget, IsEmptyWithoutAFrameAndAbsentUnlessAskedFor) {
-  CHECK_FALSE(host::shot_readout(made.shot, made.frame, settings()).assembled.has_value());
+  CHECK_FALSE(host::shot_readout(made.shot, made.frame, settings()).matched.has_value());
   made.frame.images.clear();
   made.frame.image_count = 0;
   const host::AssembledShot shot = host::assemble(made.shot, made.frame, with_budgets);
@@ -174,7 +174,7 @@ TEST(ShotBudget, IsEmptyWithoutAFrameAndAbsentUnlessAskedFor) {
 
 TEST(ShotBudget, HasLinesWhoseSharesSumUpToOne) {
   const auto result = host::shot_readout(made.shot, made.frame, with_budgets);
-  const reduction::Budget budget = reduction::mixture_budget(result.assembled->frame, result.readout);
+  const reduction::Budget budget = reduction::mixture_budget(*result.matched, result.readout);
   double shares = 0.0;
   for (const host::BudgetLine& line : host::budget_lines(budget, Quantity::vx_td_mps)) shares += line.share;
   DOUBLES_EQUAL(1.0, shares, 1e-12);

@@ -14,8 +14,8 @@ namespace {
 using strobe_msgs::event_t;
 using strobe_msgs::shot_t;
 
-host::ShotResult result_of(int shot_id, double e) {
-  host::ShotResult result;
+host::Shot result_of(int shot_id, double e) {
+  host::Shot result;
   result.boot_id = kBoot;
   result.shot_id = shot_id;
   result.readout.value[reduction::Quantity::e] = e;

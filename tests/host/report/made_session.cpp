@@ -37,7 +37,6 @@ host::Shot stored_shot(int number, const MadeSession& settings, const host::RigF
   }
   host::Shot stored;
   stored.rig = std::make_shared<const host::RigFile>(rig);
-  stored.key = {made.shot.boot_id, number};
   stored.name = std::to_string(number);
   stored.utc = fmt::format("2026-11-21T10:{:02}:00Z", number);
   stored.summary = made.shot;
