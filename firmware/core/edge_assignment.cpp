@@ -32,7 +32,6 @@ void EdgeAssignment::plan(MonoTime commanded, Lamps lamps) noexcept {
 
 void EdgeAssignment::issued(std::int32_t flash_index, MonoTime start, MonoTime end) noexcept {
   assert(flash_index >= 0 && static_cast<std::size_t>(flash_index) < record_->flashes.size());
-  assert(start <= end);
   FlashRecord& flash = record_->flashes[static_cast<std::size_t>(flash_index)];
   flash.issue_start = start;
   flash.issue_end = end;

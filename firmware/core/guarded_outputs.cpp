@@ -24,7 +24,7 @@ Issue GuardedOutputs::activate(Output output, MonoTime commanded, Duration width
   pulse.active = true;
   pulse.since = issue.start;
   pulse.off_at = issue.end + std::min(width, pulse.longest);
-  assert(issue.end >= issue.start && pulse.off_at <= issue.end + pulse.longest);
+  assert(pulse.off_at <= issue.end + pulse.longest);
   return issue;
 }
 
@@ -33,7 +33,6 @@ Issue GuardedOutputs::deactivate(Output output, MonoTime now) noexcept {
   Issue issue{pulse.off_at, now, {}, false};
   issue.done = lines_.set(output, false);
   issue.end = clock_.now();
-  assert(issue.end >= issue.start);
   if (!issue.done) broken_ = failed_ = true;
   if (pulse.active) pulse.last_on_time = issue.end - pulse.since;
   pulse.active = false;

@@ -1,6 +1,6 @@
 // The rig in words: what its bar says, from a STATUS; its timing; how it was commissioned. Pure.
 import {
-  ABSENT, count, dateAndTime, duration, fixed, microseconds, rounded, significant, unitWords, valueAndSd,
+  ABSENT, count, dateAndTime, duration, fixed, microseconds, significant, unitWords, valueAndSd,
 } from "./numbers.js";
 
 /// What each is called, and how far it is from how one wants it.
@@ -102,14 +102,9 @@ export function spread(h) {
 export function clockWords(clock) {
   if (!clock) return "";
   const parts = [];
-  if (Number.isFinite(clock.drift_ppm))
-    parts.push(
-      `drifts by ${rounded(clock.drift_ppm, clock.drift_sd_ppm)} ± ${rounded(clock.drift_sd_ppm, clock.drift_sd_ppm)} ppm`,
-    );
-  if (Number.isFinite(clock.offset_sd_s))
-    parts.push(`its offset is known to ± ${microseconds(clock.offset_sd_s * 1e6)}`);
+  if (Number.isFinite(clock.drift_ppm)) parts.push(`drifts by ${fixed(clock.drift_ppm, 1)} ppm`);
   if (Number.isFinite(clock.latency_s))
-    parts.push(`the last heartbeat came ${fixed(clock.latency_s * 1e3, 2)} ms against the usual`);
+    parts.push(`the last heartbeat came ${fixed(clock.latency_s * 1e3, 2)} ms after the fastest`);
   const words = parts.length
     ? `The firmware's clock ${parts.join("; ")}.`
     : "The firmware's clock is not yet known.";
