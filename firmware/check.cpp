@@ -13,7 +13,7 @@
 #include "firmware/linux/interrupts.hpp"
 #include "firmware/linux/real_time_report.hpp"
 #include "firmware/linux/tick_finder.hpp"
-#include "firmware/service_files.hpp"
+#include "firmware/worker/service_files.hpp"
 
 namespace strobe::firmware {
 

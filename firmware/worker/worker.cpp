@@ -1,4 +1,4 @@
-#include "firmware/worker.hpp"
+#include "firmware/worker/worker.hpp"
 
 #include <sched.h>
 #include <unistd.h>

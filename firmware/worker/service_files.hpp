@@ -2,7 +2,7 @@
 #pragma once
 
 #include "firmware/core/rig.hpp"
-#include "firmware/options.hpp"
+#include "firmware/worker/options.hpp"
 
 namespace strobe::firmware {
 

@@ -1,4 +1,4 @@
-#include "firmware/alarm.hpp"
+#include "firmware/worker/alarm.hpp"
 
 #include <lcm/lcm-cpp.hpp>
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "firmware/core/rig.hpp"
-#include "firmware/options.hpp"
+#include "firmware/worker/options.hpp"
 
 namespace strobe::firmware {
 

@@ -3,7 +3,7 @@
 
 #include "firmware/core/rig.hpp"
 #include "firmware/linux/guardian.hpp"
-#include "firmware/options.hpp"
+#include "firmware/worker/options.hpp"
 
 namespace strobe::firmware {
 

@@ -1,4 +1,4 @@
-#include "firmware/service_files.hpp"
+#include "firmware/worker/service_files.hpp"
 
 namespace strobe::firmware {
 
