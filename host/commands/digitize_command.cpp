@@ -16,7 +16,7 @@
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/digitize_report.hpp"
-#include "host/commands/digitize_times.hpp"
+#include "host/config/digitize_times.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/digitize/overlay.hpp"
 #include "host/photographs/digitization_json.hpp"

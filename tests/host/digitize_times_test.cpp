@@ -1,4 +1,4 @@
-#include "host/commands/digitize_times.hpp"
+#include "host/config/digitize_times.hpp"
 #include "host/config/plan_file.hpp"
 
 #include "tests/support/error_of.hpp"
