@@ -13,10 +13,10 @@
 #include "common/config/files.hpp"
 #include "common/messages/channels.hpp"
 #include "common/wire/lcm_url.hpp"
-#include "firmware/worker/alarm.hpp"
 #include "firmware/check.hpp"
 #include "firmware/core/rig.hpp"
 #include "firmware/linux/gpio_outputs.hpp"
+#include "firmware/worker/alarm.hpp"
 #include "firmware/worker/worker.hpp"
 
 namespace {

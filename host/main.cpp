@@ -76,7 +76,8 @@ int finish_output(int exit_status) {
   return exit_status == strobe::host::kDone ? failed : exit_status;
 }
 
-/// What a viewer of the page asked for may still be computed, with what ending in order would take from under it.
+/// What a viewer of the page asked for may still be computed, with what ending in order would take from under
+/// it.
 int end(int exit_status) {
   if (strobe::web::work_left_behind()) _exit(exit_status);
   return exit_status;

@@ -2,10 +2,11 @@
 // LCM's generated decoders ignore what follows a message, so that everybody's tools still read it.
 //
 // The seal, numbers big-endian: 8 bytes "STROBES1"; the key's fingerprint, 4 bytes; the sender, 8 bytes (a
-// firmware's boot id, a host's id); the sender's number of the packet, 8 bytes; 16 bytes of keyed BLAKE2b (RFC
-// 7693) of sender, number, the channel's size (2 bytes), the channel, which names the rig, and the message. The
-// size keeps one packet's parts from being read as another's. No more is hashed than must be, since most events
-// then fit one block of the hash. The first two fields are what a host expects, or the packet is not opened.
+// firmware's boot id, a host's id); the sender's number of the packet, 8 bytes; 16 bytes of keyed BLAKE2b
+// (RFC 7693) of sender, number, the channel's size (2 bytes), the channel, which names the rig, and the
+// message. The size keeps one packet's parts from being read as another's. No more is hashed than must be,
+// since most events then fit one block of the hash. The first two fields are what a host expects, or the
+// packet is not opened.
 //
 // Pure; allocates; thread-safe; not for the real-time path.
 #pragma once

@@ -15,8 +15,9 @@ inline constexpr double kThesisMass_kg = 0.0576;
 /// balls by R. Cross.
 inline constexpr double kThinShellAlpha = 2.0 / 3.0;
 inline constexpr double kMeasuredAlpha = 0.55;
-/// How well a ball's alpha is known that was not measured itself. A shell of rubber alone, without the felt, has
-/// 0.508: a ball is somewhere within that 0.042 of the measured value, either way (uniform: a root of 3 less).
+/// How well a ball's alpha is known that was not measured itself. A shell of rubber alone, without the felt,
+/// has 0.508: a ball is somewhere within that 0.042 of the measured value, either way (uniform: a root of 3
+/// less).
 inline constexpr double kAlphaSd = 0.024;
 
 /// The rubber shell of the thesis's balls: outer and inner radius, and their mean.

@@ -1,5 +1,5 @@
-// What the contact point did during an impact, and how it is told from the velocities: the one definition of readouts,
-// predictions and fits. Plain values and pure functions; thread-safe, real-time safe.
+// What the contact point did during an impact, and how it is told from the velocities: the one definition of
+// readouts, predictions and fits. Plain values and pure functions; thread-safe, real-time safe.
 #pragma once
 
 #include <cmath>
@@ -17,9 +17,9 @@ constexpr std::string_view name(Regime regime) {
   return regime == Regime::slides ? "slides" : regime == Regime::grips ? "grips" : "unclear";
 }
 
-/// What the change of vx is short of rolling: friction that ends the slip vx + R·omega of touchdown changes vx by
-/// |slip|·alpha/(1 + alpha). A ball that changes it by less slid throughout; m/s.
-/// Of numbers, or of those that carry their derivatives along.
+/// What the change of vx is short of rolling: friction that ends the slip vx + R·omega of touchdown changes
+/// vx by |slip|·alpha/(1 + alpha). A ball that changes it by less slid throughout; m/s. Of numbers, or of
+/// those that carry their derivatives along.
 template <typename Number>
 constexpr Number short_of_rolling_mps(const Number& slip_td_mps, const Number& change_of_vx_mps,
                                       double alpha) {

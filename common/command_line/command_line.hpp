@@ -1,7 +1,7 @@
-// How the programs' command lines look. --help is 80 columns wide and short enough for a screen; options that few people need
-// are shown by --help-all alone. A command line that cannot be taken gets one line that names the command, what is wrong, the
-// nearest thing that exists where something was mistyped, and whose help to read. For program start; single-threaded;
-// allocates.
+// How the programs' command lines look. --help is 80 columns wide and short enough for a screen; options that
+// few people need are shown by --help-all alone. A command line that cannot be taken gets one line that names
+// the command, what is wrong, the nearest thing that exists where something was mistyped, and whose help to
+// read. For program start; single-threaded; allocates.
 #pragma once
 
 #include <optional>
@@ -25,16 +25,17 @@ inline constexpr char kForExperts = '\f';
 /// Leaves these options of a command out of --help. Throws CLI::OptionNotFound if it has no such option.
 void for_experts(CLI::App& command, const std::vector<std::string>& options);
 
-/// The text with each line broken at blanks so that none is longer than `width`, if its words allow; what continues
-/// a line is indented like it. Lines that show a command to type, "Example: ..." and those indented below it, stay whole.
+/// The text with each line broken at blanks so that none is longer than `width`, if its words allow; what
+/// continues a line is indented like it. Lines that show a command to type, "Example: ..." and those indented
+/// below it, stay whole.
 std::string wrapped(std::string_view text, std::size_t width);
 
-/// The name that was probably meant: one that differs by a letter or two left out, added, changed or swapped, or that
-/// begins with what was typed. Letters of either case; leading dashes do not count.
+/// The name that was probably meant: one that differs by a letter or two left out, added, changed or swapped,
+/// or that begins with what was typed. Letters of either case; leading dashes do not count.
 std::optional<std::string> nearest(const std::string& typed, const std::vector<std::string>& names);
 
-/// "strobe fire: no option --shot; did you mean --shots? (strobe fire --help)". `program` has thrown the error while it
-/// parsed, and is named.
+/// "strobe fire: no option --shot; did you mean --shots? (strobe fire --help)". `program` has thrown the
+/// error while it parsed, and is named.
 std::string complaint(const CLI::App& program, const CLI::ParseError& error);
 
 }  // namespace strobe::command_line

@@ -1,5 +1,5 @@
-// Files as a whole or by their lines: what a person wrote, what comes with the programs, what they keep. Reads and writes files,
-// reads the environment and /proc; call it from one thread.
+// Files as a whole or by their lines: what a person wrote, what comes with the programs, what they keep.
+// Reads and writes files, reads the environment and /proc; call it from one thread.
 #pragma once
 
 #include <cstddef>
@@ -19,14 +19,14 @@ Result<std::string> read_file(const std::string& path);
 Result<std::optional<std::string>> read_file_if_any(const std::filesystem::path& path);
 
 inline constexpr std::size_t kMaxLine_bytes = 1u << 20;
-/// Hands on the lines of a file of any size, each without its end, with whether it had one. False: there is no such file.
-/// Fails with the file's name: it cannot be read, or a line is longer than kMaxLine_bytes.
+/// Hands on the lines of a file of any size, each without its end, with whether it had one. False: there is
+/// no such file. Fails with the file's name: it cannot be read, or a line is longer than kMaxLine_bytes.
 Result<bool> read_lines(const std::filesystem::path& path,
                         const std::function<void(std::string_view line, bool ended)>& on_line);
 
-/// Once it returns, the whole text is on the disk under this name; if it fails, what was there before still is:
-/// a file of another name is written first, then renamed. Devices and pipes are written as they are. Fails with
-/// the file's name and the system's reason.
+/// Once it returns, the whole text is on the disk under this name; if it fails, what was there before still
+/// is: a file of another name is written first, then renamed. Devices and pipes are written as they are.
+/// Fails with the file's name and the system's reason.
 Result<void> write_file(const std::filesystem::path& path, std::string_view text);
 
 /// Likewise a copy of another file.

@@ -6,7 +6,8 @@
 namespace strobe::config {
 namespace {
 
-/// Goes through the text as the parser does as long as that finds no error; what comes after one is never parsed.
+/// Goes through the text as the parser does as long as that finds no error; what comes after one is never
+/// parsed.
 class Walk {
  public:
   explicit Walk(std::string_view text) : rest_(text) {
@@ -44,7 +45,8 @@ class Walk {
     for (int i = 0; i < 2 && rest_.starts_with(quote); ++i) pass(1);  // the last ones of its text
   }
 
-  /// A string on one line begins with the quote that ends it, and ends with its line, which the parser takes as an error.
+  /// A string on one line begins with the quote that ends it, and ends with its line, which the parser takes
+  /// as an error.
   void pass_until(std::string_view end, char quote) {
     const bool one_line = end.size() == 1;
     if (one_line) pass(1);

@@ -72,8 +72,8 @@ class TomlTable {
 
 class TomlReader {
  public:
-  /// Parses text; a syntax error, or that it is beyond toml_bounds.hpp, is kept and given by error(). file_name is for
-  /// messages only.
+  /// Parses text; a syntax error, or that it is beyond toml_bounds.hpp, is kept and given by error().
+  /// file_name is for messages only.
   TomlReader(std::string_view text, std::string file_name);
   ~TomlReader();
   TomlReader(TomlReader&&) noexcept;

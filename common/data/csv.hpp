@@ -1,6 +1,6 @@
-// Comma-separated values (RFC 4180), read and written: cells in double quotes may hold commas, line breaks and, doubled,
-// quotes. Every program and library here that reads or writes such text does it by these functions. Errors read
-// "SOURCE:LINE: column: what is wrong". Pure; thread-safe; they allocate.
+// Comma-separated values (RFC 4180), read and written: cells in double quotes may hold commas, line breaks
+// and, doubled, quotes. Every program and library here that reads or writes such text does it by these
+// functions. Errors read "SOURCE:LINE: column: what is wrong". Pure; thread-safe; they allocate.
 #pragma once
 
 #include <span>
@@ -17,8 +17,9 @@ struct CsvRow {
   std::vector<std::string> cells;
 };
 
-/// The rows of a text, without the quotes around cells; at least one cell each. Rows of one empty cell are skipped; a byte
-/// order mark at the begin and CR outside quotes are removed. A quote that does not end ends with the text.
+/// The rows of a text, without the quotes around cells; at least one cell each. Rows of one empty cell are
+/// skipped; a byte order mark at the begin and CR outside quotes are removed. A quote that does not end ends
+/// with the text.
 std::vector<CsvRow> csv_rows(std::string_view text);
 
 /// The cells of a text that is one row; one empty cell of an empty text.
@@ -27,8 +28,8 @@ std::vector<std::string> csv_cells(std::string_view row);
 /// A cell as it stands in a row: in quotes where need be.
 std::string csv_cell(std::string_view text);
 
-/// Rows below a header line that must hold exactly the `columns`, in their order. Blank lines are skipped, blanks around
-/// a cell removed. Every row has as many cells as columns.
+/// Rows below a header line that must hold exactly the `columns`, in their order. Blank lines are skipped,
+/// blanks around a cell removed. Every row has as many cells as columns.
 Result<std::vector<CsvRow>> parse_csv(std::string_view text, std::string_view source,
                                       std::span<const std::string_view> columns);
 

@@ -1,7 +1,7 @@
-// Bounces that others have published, in this project's axes (x along the surface in the direction of travel, y up from
-// it, spin counter-clockwise positive: topspin of a ball travelling to +x is negative). common/data/bounces/README.md
-// cites the publications and says how their numbers became these. Parsing is pure; load_bounces() reads files.
-// Thread-safe; allocates.
+// Bounces that others have published, in this project's axes (x along the surface in the direction of travel,
+// y up from it, spin counter-clockwise positive: topspin of a ball travelling to +x is negative).
+// common/data/bounces/README.md cites the publications and says how their numbers became these. Parsing is
+// pure; load_bounces() reads files. Thread-safe; allocates.
 #pragma once
 
 #include <filesystem>
@@ -79,20 +79,22 @@ struct Bounces {
   const Set* set(std::string_view name) const;    ///< nullptr if there is none
 };
 
-/// `name`.csv of a set. Fails, with source, line and column, on a missing or other header, no rows, a name given twice,
-/// an sd below 0, vy_td_mps not below 0, vy_lo_mps not above 0 or above that of touchdown, one velocity at lift-off
-/// without the other, a value without its sd, an incline outside 0…90.
+/// `name`.csv of a set. Fails, with source, line and column, on a missing or other header, no rows, a name
+/// given twice, an sd below 0, vy_td_mps not below 0, vy_lo_mps not above 0 or above that of touchdown, one
+/// velocity at lift-off without the other, a value without its sd, an incline outside 0…90.
 Result<std::vector<Bounce>> parse_bounces(std::string_view text, std::string_view source);
 
-/// balls.csv. Fails on sizes and masses that are not positive, alpha outside 0…2/3, a build that is neither `shell` nor
-/// `solid`, a name given twice.
+/// balls.csv. Fails on sizes and masses that are not positive, alpha outside 0…2/3, a build that is neither
+/// `shell` nor `solid`, a name given twice.
 Result<std::vector<Ball>> parse_balls(std::string_view text, std::string_view source);
 
-/// friction.csv, into the sets that it names. Fails on an unknown set, surface or row, a row without velocities at
-/// lift-off, neither or both of row and mu, a surface given twice, a surface of which it says nothing.
+/// friction.csv, into the sets that it names. Fails on an unknown set, surface or row, a row without
+/// velocities at lift-off, neither or both of row and mu, a surface given twice, a surface of which it says
+/// nothing.
 Result<void> parse_frictions(std::string_view text, std::string_view source, std::span<Set> sets);
 
-/// Reads `folder`/balls.csv, sets.csv, friction.csv and each set's file. Fails besides on a ball that balls.csv lacks.
+/// Reads `folder`/balls.csv, sets.csv, friction.csv and each set's file. Fails besides on a ball that
+/// balls.csv lacks.
 Result<Bounces> load_bounces(const std::filesystem::path& folder);
 
 }  // namespace strobe::published

@@ -1,6 +1,6 @@
 // The thesis's data: means of its 21 conditions (Tables 2–10) and the contact images of each (Appendix), as
-// printed, and a separate list of corrections, each with its reason, applied on loading by default; and what is
-// known of its other tables. Parsing is pure; load functions read files. Thread-safe; allocates.
+// printed, and a separate list of corrections, each with its reason, applied on loading by default; and what
+// is known of its other tables. Parsing is pure; load functions read files. Thread-safe; allocates.
 #pragma once
 
 #include <filesystem>
@@ -69,8 +69,8 @@ Result<std::vector<Condition>> corrected(std::vector<Condition> conditions,
                                          std::span<const Correction> corrections);
 Result<data::ContactSet> corrected(data::ContactSet set, std::span<const Correction> corrections);
 
-/// The condition of that spin and that angle of incidence (which the tables label without sign) as it comes with the programs, as
-/// printed. Reads a file. Returns nullopt if there is none, or no such file.
+/// The condition of that spin and that angle of incidence (which the tables label without sign) as it comes
+/// with the programs, as printed. Reads a file. Returns nullopt if there is none, or no such file.
 std::optional<Condition> shipped_condition(const std::string& spin, double angle_deg);
 
 /// Reads `folder`/tables_02_to_10.csv, `folder`/corrections.csv and `folder`/contact/<name>.csv for each

@@ -19,8 +19,8 @@ inline constexpr double kDragCoefficient = 0.55;
 /// Its standard deviation over balls and their wear: the measurements above lie within two.
 inline constexpr double kDragCoefficientSd = 0.05;
 
-/// Standard deviation of the lift coefficient as a share of it: measurements of several authors scatter by a fifth
-/// about the form above (Cross, Lindsey 2013).
+/// Standard deviation of the lift coefficient as a share of it: measurements of several authors scatter by a
+/// fifth about the form above (Cross, Lindsey 2013).
 inline constexpr double kLiftCoefficientShareSd = 0.2;
 
 /// Friction of the air slows a spin, domega/dt = -kSpinDecay_per_m·|v|·omega, in the air below; .05 % in 3 ms

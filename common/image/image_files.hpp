@@ -1,6 +1,6 @@
-// Image files, read and written in memory: TIFF by libtiff, PNG by libpng, JPEG by libjpeg. All functions: no I/O;
-// nothing printed; never throw, whatever the bytes, but for want of memory (bad_alloc); thread-safe; no memory is lost
-// on errors. Errors are one line without the file's name.
+// Image files, read and written in memory: TIFF by libtiff, PNG by libpng, JPEG by libjpeg. All functions: no
+// I/O; nothing printed; never throw, whatever the bytes, but for want of memory (bad_alloc); thread-safe; no
+// memory is lost on errors. Errors are one line without the file's name.
 //
 // Pixels are the file's numbers: no colour profile, gamma or scaling is applied; alpha is left out, but that
 // libtiff multiplies colours of 8 bits by an unassociated alpha. A brighter pixel has a larger number.
@@ -28,8 +28,8 @@ Result<Raster> decode_tiff(Bytes bytes);
 /// PNG (W3C, 2nd edition) of every colour type and depth; 1, 2 and 4 bits and palettes become 8 bits.
 Result<Raster> decode_png(Bytes bytes);
 
-/// JPEG (ITU-T T.81) of 8 bits, baseline and progressive: grey, YCbCr, RGB, CMYK. What a decoder would mend by
-/// guessing is an error.
+/// JPEG (ITU-T T.81) of 8 bits, baseline and progressive: grey, YCbCr, RGB, CMYK. What a decoder would mend
+/// by guessing is an error.
 Result<Raster> decode_jpeg(Bytes bytes);
 
 /// Any of these, by its first bytes.

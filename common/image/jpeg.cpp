@@ -1,4 +1,5 @@
-// libjpeg leaves its functions on errors by longjmp: those that call setjmp hold nothing that needs a destructor.
+// libjpeg leaves its functions on errors by longjmp: those that call setjmp hold nothing that needs a
+// destructor.
 #include <cstddef>
 #include <cstdio>
 // jpeglib.h wants FILE and size_t.
@@ -30,8 +31,8 @@ struct Errors {
   std::longjmp(errors->back, 1);
 }
 
-/// Warnings are what libjpeg goes on after with guessed pixels, but for bytes between segments, which belong to
-/// none, and Adobe's marker of an unknown kind.
+/// Warnings are what libjpeg goes on after with guessed pixels, but for bytes between segments, which belong
+/// to none, and Adobe's marker of an unknown kind.
 void on_message(j_common_ptr info, int level) {
   if (level >= 0) return;
   const int code = info->err->msg_code;
@@ -45,8 +46,8 @@ jpeg_error_mgr* handler(Errors& errors) {
   return &errors.manager;
 }
 
-/// A progressive file of many scans takes time without end. Programs write some ten; the standard allows three
-/// components 64 coefficients of 14 bits each, which none does.
+/// A progressive file of many scans takes time without end. Programs write some ten; the standard allows
+/// three components 64 coefficients of 14 bits each, which none does.
 void count_scans(j_common_ptr info) {
   constexpr int kMaxScans = 500;
   auto* errors = reinterpret_cast<Errors*>(info->err);
@@ -162,7 +163,8 @@ Result<Raster> decode_jpeg(Bytes bytes) {
   if (!reader.read_header()) return damaged("JPEG", reader.words());
   if (auto checked = check_size("JPEG", reader.width(), reader.height()); !checked)
     return tl::unexpected(checked.error());
-  // Huffman's code takes a bit or more for each block of 8 x 8 pixels: so much must be there before memory is taken.
+  // Huffman's code takes a bit or more for each block of 8 x 8 pixels: so much must be there before memory is
+  // taken.
   constexpr std::int64_t kMaxPixelsOfAByte = 8 * 64;
   if (!reader.is_arithmetic() &&
       reader.width() * reader.height() / kMaxPixelsOfAByte > static_cast<std::int64_t>(bytes.size()))

@@ -1,4 +1,5 @@
-// libpng leaves its functions on errors by longjmp: those that call setjmp hold nothing that needs a destructor.
+// libpng leaves its functions on errors by longjmp: those that call setjmp hold nothing that needs a
+// destructor.
 #include <png.h>
 
 #include <bit>

@@ -217,8 +217,8 @@ bool read_piece(TIFF* tiff, const Piece& piece, std::uint32_t number, std::size_
   return got == size;
 }
 
-/// One plane, or all that are together. Returns false if a piece is damaged. `buffer`: for a piece; null: pieces are
-/// rows of the raster.
+/// One plane, or all that are together. Returns false if a piece is damaged. `buffer`: for a piece; null:
+/// pieces are rows of the raster.
 bool read_plane(TIFF* tiff, const Directory& d, const Piece& piece, int plane, Raster& raster,
                 std::uint8_t* buffer) {
   const auto sample = static_cast<std::uint16_t>(plane);

@@ -1,5 +1,5 @@
-// Texts in messages that programs read. How a status tells that outputs may be active which nobody can switch off: its
-// message begins with these words. Plain values; thread-safe.
+// Texts in messages that programs read. How a status tells that outputs may be active which nobody can switch
+// off: its message begins with these words. Plain values; thread-safe.
 #pragma once
 
 #include <charconv>
@@ -14,8 +14,8 @@ constexpr bool tells_danger(std::string_view status_message) {
   return status_message.starts_with(kDangerWords);
 }
 
-// Who a host is, for a person. A host says so in a note of its ARM; strobed puts it behind the host's id in the detail
-// of the ARMED event. Hosts and firmware that do not know of it leave it out and read past it.
+// Who a host is, for a person. A host says so in a note of its ARM; strobed puts it behind the host's id in
+// the detail of the ARMED event. Hosts and firmware that do not know of it leave it out and read past it.
 
 /// Key of the note; its value is "login@machine".
 inline constexpr std::string_view kHostNameNote = "host_name";

@@ -1,5 +1,6 @@
-// JSON to and from text, compiled once for all that reads or writes it. What others wrote and nests deeper than any of ours
-// is no JSON to us, since a value is copied and printed by recursion. Pure; thread-safe; allocates.
+// JSON to and from text, compiled once for all that reads or writes it. What others wrote and nests deeper
+// than any of ours is no JSON to us, since a value is copied and printed by recursion. Pure; thread-safe;
+// allocates.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -62,8 +62,8 @@ Normal normal_equations(const Observations& all, const JointFit& joint, const Ai
   return n;
 }
 
-/// What remains of the images' information once the path is fitted is between none and all of it, unless the path
-/// itself is lost in rounding.
+/// What remains of the images' information once the path is fitted is between none and all of it, unless the
+/// path itself is lost in rounding.
 bool lost_in_rounding(const AirMatrix& remaining, const AirMatrix& all) {
   constexpr double kRounding = 1e-6;
   return !(remaining.diagonal().array() >= -kRounding * all.diagonal().array()).all();
@@ -74,8 +74,8 @@ struct Combined {
   AirMatrix covariance, by_noise, by_prior;  ///< the covariance is the sum of the others
 };
 
-/// In units of the tolerances, along the axes of the images' information: no inverse there is, however much or little
-/// the images tell, and each part is a covariance to the last bit.
+/// In units of the tolerances, along the axes of the images' information: no inverse there is, however much
+/// or little the images tell, and each part is a covariance to the last bit.
 Combined combine(const AirVector& sd, const AirMatrix& by_images) {
   const AirMatrix scaled = sd.asDiagonal() * by_images * sd.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<AirMatrix> axes(scaled);

@@ -1,5 +1,5 @@
-// What nobody knows exactly of the air's pull, fitted with the paths. Part of the reduction, not of its interface.
-// Thread-safe; no allocation.
+// What nobody knows exactly of the air's pull, fitted with the paths. Part of the reduction, not of its
+// interface. Thread-safe; no allocation.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace strobe::reduction {
 
-/// Parameters: the drag coefficient's error as a share of it, and for either leg what its lift is more than the model's,
-/// as acceleration over speed. [1, 1/s, 1/s]
+/// Parameters: the drag coefficient's error as a share of it, and for either leg what its lift is more than
+/// the model's, as acceleration over speed. [1, 1/s, 1/s]
 inline constexpr std::size_t kDragError = 0;
 inline constexpr std::size_t kLiftError[2] = {1, 2};
 inline constexpr std::size_t kAirErrorCount = 3;
@@ -46,10 +46,11 @@ struct AirFit {
 
 /// `fitted_with`: the errors that the joint fit has taken into account already.
 ///
-/// The errors' least squares estimates from the paths' curvature and from what was known before, and the joint fit
-/// moved to them. The joint fit is linear in accelerations, so that one step is exact to the product of small
-/// corrections. An error that the images cannot tell keeps its mean and its sd: it then widens the numbers that hang
-/// on it. Source: least squares with prior information, e.g. Koch, Parameter Estimation and Hypothesis Testing, 3.2.
+/// The errors' least squares estimates from the paths' curvature and from what was known before, and the
+/// joint fit moved to them. The joint fit is linear in accelerations, so that one step is exact to the
+/// product of small corrections. An error that the images cannot tell keeps its mean and its sd: it then
+/// widens the numbers that hang on it. Source: least squares with prior information, e.g. Koch, Parameter
+/// Estimation and Hypothesis Testing, 3.2.
 AirFit fit_air(const Observations& all, const flight::Aerodynamics& air, const AirErrors& prior,
                const std::array<double, kAirErrorCount>& fitted_with, JointFit& joint);
 

@@ -15,7 +15,8 @@ namespace {
 /// Samples tried; some thousand lines through forty readings take a millisecond.
 constexpr int kMaxSamples = 4000;
 constexpr double kAsGood = 9.0;
-/// Times its noise by which the rest may miss the consensus as readings do: with few of them Student's t allows anything.
+/// Times its noise by which the rest may miss the consensus as readings do: with few of them Student's t
+/// allows anything.
 constexpr double kMaxNoiseRatio = 3.0;
 
 class Consensus {

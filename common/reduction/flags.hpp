@@ -12,10 +12,9 @@ enum class Flag {
   late_flash,  // a flash that shows the ball came later than the rig's tolerance; its measured time was used
   missing_flash,  // a planned flash among those that show the ball was seen by no sensor
   double_flash,   // a lamp flashed twice for one pulse, or between two, among those that (may) show the ball
-  flash_match_ambiguous,  // several assignments of images to flashes are plausible and differ by more than the rest of
-                          // a number's uncertainty, or no steady flight fits the flashes
-  spin_aliased,  // another spin, by half turns between images, explains the equators as well and friction allows
-                 // it; the regime is then unclear
+  flash_match_ambiguous,  // several assignments of images to flashes are plausible and differ by more than
+                          // the rest of a number's uncertainty, or no steady flight fits the flashes
+  spin_aliased,    // another spin that friction allows explains the equators as well; the regime is unclear
   too_few_images,  // a leg has too few airborne images for some number, which is null
   outlier_image,   // an image did not fit its leg, or the times of the flashes, and was left out
   no_redundancy,   // a leg has two or three images or equators, the photograph two or three diameters, or the
@@ -37,10 +36,11 @@ enum class Flag {
   outlier_surface_point,  // a surface point did not lie on the line through the others and was left out
   surface_suspect,  // the surface points disagree and none could be singled out (their sd was scaled to their
                     // scatter), or an image in contact contradicts the line
-  scale_contradicts_ball,  // the images' diameters together contradict the calibrated scale, which was believed as far
-                           // as its sd says
+  scale_contradicts_ball,  // the images' diameters together contradict the calibrated scale, which was
+                           // believed as far as its sd says
   residuals_exceed_noise,  // the residuals are larger than the stated noise explains: the sds are too small
-  scale_sd_unknown,  // the calibrated scale came without an sd: it was taken as exact, and the sds lack its share
+  scale_sd_unknown,  // the calibrated scale came without an sd: it was taken as exact, and the sds lack its
+                     // share
 };
 
 inline constexpr std::array<std::string_view, 25> kFlagNames{"late_flash",

@@ -1,5 +1,5 @@
-// How much drag and lift change a readout, and which of them must be fitted. Part of the reduction, not of its interface.
-// Pure functions; thread-safe.
+// How much drag and lift change a readout, and which of them must be fitted. Part of the reduction, not of
+// its interface. Pure functions; thread-safe.
 #pragma once
 
 #include "common/reduction/propagate.hpp"

@@ -91,9 +91,9 @@ struct Frame {
 
 /// What the noise that a frame states is taken for.
 enum class NoiseSource {
-  stated,  ///< it is believed
-  residuals,  ///< relative weights: one factor for each kind of measurement is estimated from the residuals, and sds are
-              ///< scaled by Student's t
+  stated,     ///< it is believed
+  residuals,  ///< relative weights: one factor for each kind of measurement is estimated from the residuals,
+              ///< and sds are scaled by Student's t
 };
 
 constexpr std::optional<NoiseSource> noise_source_from_name(std::string_view text) {

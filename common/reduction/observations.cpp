@@ -10,9 +10,9 @@
 namespace strobe::reduction {
 namespace {
 
-/// Standard deviation to start from where the frame states none: a hundredth of the ball's diameter, the order of
-/// digitizing by hand, as is kUsualEquatorSd_rad. The residuals replace them; where these cannot, only the sd is lost, not the
-/// number.
+/// Standard deviation to start from where the frame states none: a hundredth of the ball's diameter, the
+/// order of digitizing by hand, as is kUsualEquatorSd_rad. The residuals replace them; where these cannot,
+/// only the sd is lost, not the number.
 constexpr double kGuessOfDiameter = 0.01;
 
 /// Scale to start from: the calibrated one, or the median diameter of the images that may be airborne.

@@ -14,16 +14,16 @@
 
 namespace strobe::reduction {
 
-/// Measurements that share one unknown factor of their variances. `stated` is noise that came with the frame and is
-/// believed; the others' variance components are estimated from the residuals.
+/// Measurements that share one unknown factor of their variances. `stated` is noise that came with the frame
+/// and is believed; the others' variance components are estimated from the residuals.
 enum class NoiseGroup { stated, centre, surface, diameter, equator };
 inline constexpr std::size_t kNoiseGroupCount = 5;
 
 /// One degree: what a person who digitizes an equator does.
 inline constexpr double kUsualEquatorSd_rad = 0.0175;
 
-/// Standard deviations of the groups that are not stated, in units of the measurements' own ones: these are 1 m or
-/// 1 rad, or what the frame states where that is taken for a relative weight.
+/// Standard deviations of the groups that are not stated, in units of the measurements' own ones: these are 1
+/// m or 1 rad, or what the frame states where that is taken for a relative weight.
 struct GroupSds {
   std::array<double, kNoiseGroupCount> sd{};
   double operator[](NoiseGroup n) const { return sd[static_cast<std::size_t>(n)]; }
@@ -97,16 +97,17 @@ struct Observations {
   double surface_sd() const { return unit(surface_noise) * surface_sd_m; }
 };
 
-/// Measurements in the surface's axes, with the images' legs; sets the flags of what it found. Returns nullopt
-/// if no line goes through the surface points (flag degenerate_geometry). The frame must be valid.
+/// Measurements in the surface's axes, with the images' legs; sets the flags of what it found. Returns
+/// nullopt if no line goes through the surface points (flag degenerate_geometry). The frame must be valid.
 std::optional<Observations> observe(const Frame& frame, FlagSet& flags,
                                     NoiseSource noise = NoiseSource::stated);
 
-/// Of a displacement or a velocity along the path. A ball within 3 degrees of the vertical has no direction of travel:
-/// false.
+/// Of a displacement or a velocity along the path. A ball within 3 degrees of the vertical has no direction
+/// of travel: false.
 bool travels_left(const Eigen::Vector2d& way);
 
-/// As a mirror at the surface's normal shows them: a ball that travelled to the left then travels to the right.
+/// As a mirror at the surface's normal shows them: a ball that travelled to the left then travels to the
+/// right.
 void mirror(Observations& all);
 
 /// All measurements as so many standard deviations of one of the map's errors move them.

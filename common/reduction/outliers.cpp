@@ -26,8 +26,8 @@ struct Suspect {
   }
 };
 
-/// What measurements are held against: their stated noise, or for a kind whose residuals exceed that the residuals' own
-/// scatter.
+/// What measurements are held against: their stated noise, or for a kind whose residuals exceed that the
+/// residuals' own scatter.
 struct Yardstick {
   double variance = 1.0;  ///< over the stated one
   double degrees_of_freedom = std::numeric_limits<double>::infinity();
@@ -67,7 +67,8 @@ class Suspects {
   Yardsticks yardsticks_;
 };
 
-/// Share of a kind beyond which so many outliers are not to be believed: with more of them the stated noise is wrong.
+/// Share of a kind beyond which so many outliers are not to be believed: with more of them the stated noise
+/// is wrong.
 constexpr double kMaxRejectedShare = 0.25;
 
 /// Of a square with `dimensions` degrees of freedom, in units of a variance that was estimated with it
@@ -179,8 +180,9 @@ class Rejection {
   bool any() const { return !left_out_.empty(); }
   bool too_many(std::size_t kind) const { return count_[kind] > most_[kind]; }
 
-  /// Kinds whose noise rather than whose measurements may be wrong: too many had to go, or what is left of them, or of
-  /// all kinds together, still scatters as one in a hundred would by chance and what was left out is not far beyond that.
+  /// Kinds whose noise rather than whose measurements may be wrong: too many had to go, or what is left of
+  /// them, or of all kinds together, still scatters as one in a hundred would by chance and what was left out
+  /// is not far beyond that.
   Kinds doubted() const {
     constexpr double kWellExplained = 0.01;
     const auto explained = [](const ResidualScatter& rest) {
@@ -234,9 +236,9 @@ class Rejection {
   }
 
  private:
-  /// Whether something of the kind was left out that is within 6 sd of the rest's scatter. Of 20 degrees of freedom a
-  /// variance comes out at less than 0.54 of the true one once in twenty times: further out are 19 variances or more,
-  /// beyond chance for ten measurements.
+  /// Whether something of the kind was left out that is within 6 sd of the rest's scatter. Of 20 degrees of
+  /// freedom a variance comes out at less than 0.54 of the true one once in twenty times: further out are 19
+  /// variances or more, beyond chance for ten measurements.
   bool near_the_rest(std::size_t kind, const ResidualScatter& rest) const {
     constexpr double kFar = 36.0;
     return std::ranges::any_of(left_out_, [&](const LeftOut& one) {

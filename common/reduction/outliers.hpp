@@ -10,14 +10,14 @@ namespace strobe::reduction {
 /// Of three measurements of a kind that disagree none can be singled out.
 inline constexpr int kMinForOutlier = 4;
 
-/// Marks measurements as not to be used that are further from what the others predict than chance explains: one
-/// clean photograph in a thousand loses a measurement, however many images it has (Bonferroni). The test is
-/// leave-one-out: chi squared where the noise is stated, F or t where it was estimated. The worst goes first, and
-/// `fit_again` is called before the rest is judged. Needs kMinForOutlier measurements of a kind.
+/// Marks measurements as not to be used that are further from what the others predict than chance explains:
+/// one clean photograph in a thousand loses a measurement, however many images it has (Bonferroni). The test
+/// is leave-one-out: chi squared where the noise is stated, F or t where it was estimated. The worst goes
+/// first, and `fit_again` is called before the rest is judged. Needs kMinForOutlier measurements of a kind.
 ///
-/// Where more than a quarter of a kind would have to go, or the rest still scatters as one in a hundred would with the
-/// stated noise, the noise may be wrong and not the images: all are taken back and judged by their own scatter (F), so
-/// that only what stands out of that is left out. Returns whether some measurement is.
+/// Where more than a quarter of a kind would have to go, or the rest still scatters as one in a hundred would
+/// with the stated noise, the noise may be wrong and not the images: all are taken back and judged by their
+/// own scatter (F), so that only what stands out of that is left out. Returns whether some measurement is.
 bool reject_outliers(ShotFit& fit, const std::function<void()>& fit_again);
 
 }  // namespace strobe::reduction

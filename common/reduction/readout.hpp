@@ -104,7 +104,8 @@ struct Assignments {
   bool operator==(const Assignments&) const = default;
 };
 
-/// Of each number, by the time of one image: its unit per second. Index: Quantity; 0 where the number is absent.
+/// Of each number, by the time of one image: its unit per second. Index: Quantity; 0 where the number is
+/// absent.
 using TimeDerivatives = std::array<double, kQuantityCount>;
 
 enum class MeasurementKind { centre, equator, diameter, surface };
@@ -112,8 +113,9 @@ inline constexpr std::array<std::string_view, 4> kMeasurementKindNames{"centre",
                                                                        "surface"};
 inline constexpr std::size_t kMeasurementKindCount = kMeasurementKindNames.size();
 
-/// Residuals over the noise that the frame states: root of chi squared over its degrees of freedom, about 1. Absent where
-/// no noise is stated or nothing is left to residuals. Of few degrees of freedom nu it scatters by 1 / sqrt(2 nu).
+/// Residuals over the noise that the frame states: root of chi squared over its degrees of freedom, about 1.
+/// Absent where no noise is stated or nothing is left to residuals. Of few degrees of freedom nu it scatters
+/// by 1 / sqrt(2 nu).
 struct ResidualRatios {
   std::optional<double> all;
   std::array<std::optional<double>, kMeasurementKindCount> by_kind;  ///< index: MeasurementKind

@@ -1,4 +1,5 @@
-// A readout with the fit that it is from. Part of the reduction, not of its interface. Thread-safe; allocates.
+// A readout with the fit that it is from. Part of the reduction, not of its interface. Thread-safe;
+// allocates.
 #pragma once
 
 #include <optional>

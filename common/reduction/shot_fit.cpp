@@ -258,8 +258,9 @@ void fit_once(ShotFit& fit) {
   fit.noise_status = FitStatus::iteration_limit;
 }
 
-/// Whether the angles leave the spin open within the window of the train, where an image of the leg that could have
-/// told is lacking or has no equator in use. Where all have theirs friction decides: see spin_check.hpp.
+/// Whether the angles leave the spin open within the window of the train, where an image of the leg that
+/// could have told is lacking or has no equator in use. Where all have theirs friction decides: see
+/// spin_check.hpp.
 bool aliased(const ShotFit& fit, std::size_t leg) {
   const auto& spin = fit.spin[leg];
   if (!spin) return false;
@@ -275,8 +276,8 @@ bool aliased(const ShotFit& fit, std::size_t leg) {
          });
 }
 
-/// Whether equators of a leg were left out since they fit no spin of the others: before one by one is looked for a bad
-/// measurement, of which two mask each other.
+/// Whether equators of a leg were left out since they fit no spin of the others: before one by one is looked
+/// for a bad measurement, of which two mask each other.
 bool leave_out_equators(ShotFit& fit) {
   const auto searches = spin_search(fit);
   bool any = false;
@@ -297,8 +298,8 @@ bool leave_out_equators(ShotFit& fit) {
   return any;
 }
 
-/// Returns whether any was. The lift of a wrong spin bends the path away from good images: where the spin may be
-/// another, only what fits no lift is an outlier.
+/// Returns whether any was. The lift of a wrong spin bends the path away from good images: where the spin may
+/// be another, only what fits no lift is an outlier.
 bool leave_out_misfits(ShotFit& fit) {
   const bool equators = leave_out_equators(fit);
   const auto fit_again = [&fit] { fit_once(fit); };
@@ -317,7 +318,8 @@ bool leave_out_misfits(ShotFit& fit) {
   return any || equators;
 }
 
-/// Mirrors where the legs as fitted, without the images left out, say otherwise than the first and last image did.
+/// Mirrors where the legs as fitted, without the images left out, say otherwise than the first and last image
+/// did.
 void orient(ShotFit& fit) {
   const std::size_t leg = fit.joint.legs[0].fitted ? 0 : 1;
   if (fit.joint.degenerate() || !fit.joint.legs[leg].fitted) return;

@@ -33,7 +33,8 @@ struct ShotFit {
   /// Of the rounds of fits and of noise estimated from their residuals.
   FitStatus noise_status = FitStatus::converged;
   AirFit air_fit;
-  /// Added to what is known of the air before (AirError::mean): asks what another air would have made of the numbers.
+  /// Added to what is known of the air before (AirError::mean): asks what another air would have made of the
+  /// numbers.
   std::array<double, kAirErrorCount> air_shift{};
   std::array<std::optional<SpinFit>, 2> spin;           ///< incoming, rebound
   std::array<std::vector<EquatorReading>, 2> equators;  ///< what the spins were fitted to

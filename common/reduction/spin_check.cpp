@@ -162,7 +162,8 @@ bool spins_in_doubt(const Readout& readout, const ShotFit& fit) {
       if (possible(before[i], after[k]) || contradiction(before[i], after[k]) < as_fitted) return true;
     }
   }
-  // As much as half of a half turn more between two flashes would explain, though that is faster than any known ball's.
+  // As much as half of a half turn more between two flashes would explain, though that is faster than any
+  // known ball's.
   const double interval_s = std::max(fit.spin[0]->interval_s, fit.spin[1]->interval_s);
   return as_fitted * interval_s > 0.5 * std::numbers::pi * kMinAlpha * fit.observations.ball.radius_m();
 }

@@ -207,7 +207,8 @@ class Alternatives {
   const std::vector<EquatorReading>& readings_;
   const std::vector<EquatorReading>& left_out_;
   const Proposal& best_;
-  /// Lines a quarter turn apart over all readings put each at the same half turn; another spin's are half a turn apart.
+  /// Lines a quarter turn apart over all readings put each at the same half turn; another spin's are half a
+  /// turn apart.
   double apart_radps_;
   double decay_per_s_;
   double least_ =
@@ -237,8 +238,8 @@ SpinFit fit_steady_spin(const std::vector<EquatorReading>& readings,
     best = best_of(proposals, readings, window);
   }
   if (improbable(best.cost, readings.size()) && search.fastest_radps > window) {
-    // Unequal intervals tell a spin beyond the window from those within, where it does explain the readings. Of spins
-    // none of which does, the readings' noise is larger than stated, and the window's stays.
+    // Unequal intervals tell a spin beyond the window from those within, where it does explain the readings.
+    // Of spins none of which does, the readings' noise is larger than stated, and the window's stays.
     proposals = propose(readings, left_out, search.fastest_radps);
     if (search.decay_per_s != 0.0) std::ranges::for_each(proposals, at_any_decay);
     const Proposal faster = best_of(proposals, readings, search.fastest_radps);

@@ -34,8 +34,8 @@ struct SpinFit {
   std::vector<double> leverage;      ///< per reading: share of its own in its fitted angle
 };
 
-/// The fastest rim of a ball in flight: 6,000 revolutions a minute of a tennis ball, a fifth more than the strongest
-/// topspin filmed in play (4,900: J. Yandell, high-speed films of professional forehands).
+/// The fastest rim of a ball in flight: 6,000 revolutions a minute of a tennis ball, a fifth more than the
+/// strongest topspin filmed in play (4,900: J. Yandell, high-speed films of professional forehands).
 inline constexpr double kFastestRim_mps = 20.5;
 
 /// Which spins to try.
@@ -44,18 +44,20 @@ struct SpinSearch {
   double shortest_interval_s = std::numeric_limits<double>::infinity();
   /// No ball spins faster. The readings' own window is searched in any case.
   double fastest_radps = 0.0;
-  /// What friction of the air takes of the spin, domega/dt over -omega: flight::kSpinDecay_per_m times the speed.
+  /// What friction of the air takes of the spin, domega/dt over -omega: flight::kSpinDecay_per_m times the
+  /// speed.
   double decay_per_s = 0.0;
   double decay_sd_per_s = 0.0;
 };
 
 /// The most likely spin within the window |omega| < pi / (2 T), T being the shortest interval of the train or
-/// between two readings: an image without an equator does not make the ball turn slower. Each pair of neighbours
-/// proposes all spins of the window that it allows; each proposal is followed outward image by image, so that noise
-/// over a long leg cannot lose a half turn; the likeliest one is kept, by a cost that one bad reading cannot
-/// dominate. The spin decays exponentially: the angle is a straight line over (1 - exp(-decay t)) / decay. That
-/// rate is known to a factor of three only: neither the spin nor what else explains the readings need decay at it, and
-/// residuals are what it leaves unexplained. Returns nullopt for fewer than two readings. Readings are in order of time, times differ.
+/// between two readings: an image without an equator does not make the ball turn slower. Each pair of
+/// neighbours proposes all spins of the window that it allows; each proposal is followed outward image by
+/// image, so that noise over a long leg cannot lose a half turn; the likeliest one is kept, by a cost that
+/// one bad reading cannot dominate. The spin decays exponentially: the angle is a straight line over (1 -
+/// exp(-decay t)) / decay. That rate is known to a factor of three only: neither the spin nor what else
+/// explains the readings need decay at it, and residuals are what it leaves unexplained. Returns nullopt for
+/// fewer than two readings. Readings are in order of time, times differ.
 ///
 /// `left_out`: readings whose image did not fit its leg. The line does not go through them, but they count
 /// for T and for the cost: with every second image left out the others alone could not tell half a turn more.

@@ -25,8 +25,8 @@ struct PointNoise {
   double degrees_of_freedom = std::numeric_limits<double>::infinity();
 };
 
-/// As stated, and larger by as much as the centres scatter more than stated; or the centres' as estimated less the part
-/// that the points themselves have in it.
+/// As stated, and larger by as much as the centres scatter more than stated; or the centres' as estimated
+/// less the part that the points themselves have in it.
 std::optional<PointNoise> point_noise(const ShotFit& fit) {
   const Observations& all = fit.observations;
   const double variance = all.surface_sd() * all.surface_sd();
@@ -81,8 +81,8 @@ double scatter_about_line(const std::vector<Eigen::Vector2d>& points, Subset kep
   return sum / noise.variance_m2;
 }
 
-/// The largest subset whose points agree. Returns nullopt if there is none of three or more and half of all, or if
-/// another of its size fits nearly as well.
+/// The largest subset whose points agree. Returns nullopt if there is none of three or more and half of all,
+/// or if another of its size fits nearly as well.
 std::optional<Subset> agreeing_subset(const std::vector<Eigen::Vector2d>& points, const PointNoise& noise) {
   const std::size_t count = points.size();
   for (std::size_t left_out = 1; left_out <= (count - 1) / 2 && count - left_out >= kMinAgreeing;
@@ -104,8 +104,8 @@ std::optional<Subset> agreeing_subset(const std::vector<Eigen::Vector2d>& points
   return std::nullopt;
 }
 
-/// Of more points than all subsets of can be tried: one after the other the furthest from the rest, until they
-/// agree. So many do not hide one another. Returns those kept.
+/// Of more points than all subsets of can be tried: one after the other the furthest from the rest, until
+/// they agree. So many do not hide one another. Returns those kept.
 std::optional<std::vector<bool>> agreeing_points(const std::vector<Eigen::Vector2d>& points,
                                                  const PointNoise& noise) {
   std::vector<bool> kept(points.size(), true);
@@ -153,11 +153,12 @@ void keep_points(const std::vector<bool>& kept, std::vector<PointPx>& points) {
 
 /// One-sided, 1e-4 of normal errors: some ten comparisons in a photograph, one false alarm in a thousand.
 constexpr double kSigmas = 3.72;
-/// A ball this near to touching, in its diameters, may be taken for one that touches, and the other way round: the
-/// order of digitizing by hand.
+/// A ball this near to touching, in its diameters, may be taken for one that touches, and the other way
+/// round: the order of digitizing by hand.
 constexpr double kLabelledByEye = 0.01;
 
-/// A place in the levelled photograph, with the gradient of its height and a variance beyond that of the fit. [m]
+/// A place in the levelled photograph, with the gradient of its height and a variance beyond that of the fit.
+/// [m]
 struct Place {
   Eigen::Vector2d at_m;
   JointVector gradient{};

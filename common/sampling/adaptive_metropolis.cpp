@@ -94,7 +94,8 @@ class Walk {
     if (random_.uniform() < std::exp(std::min(0.0, log_ratio))) move(second, log_second);
   }
 
-  /// 2.38 over the root of the dimension is the best scale for a normal density (Gelman, Roberts and Gilks, 1996).
+  /// 2.38 over the root of the dimension is the best scale for a normal density (Gelman, Roberts and Gilks,
+  /// 1996).
   void set_step(const MatrixXd& covariance) {
     const Eigen::LLT<MatrixXd> factor(covariance);
     if (factor.info() != Eigen::Success) return;

@@ -1,7 +1,8 @@
-// Adaptive Metropolis: a random walk whose steps follow the covariance of what it has seen (H. Haario, E. Saksman and J.
-// Tamminen, Bernoulli 7, 2001), a refused step followed by a shorter one (delayed rejection, as in H. Haario, M. Laine, A.
-// Mira and E. Saksman, Statistics and Computing 16, 2006). Several chains from points around the start; the first third of
-// each is left out. Deterministic for a seed; thread-safe; allocates.
+// Adaptive Metropolis: a random walk whose steps follow the covariance of what it has seen (H. Haario, E.
+// Saksman and J. Tamminen, Bernoulli 7, 2001), a refused step followed by a shorter one (delayed rejection,
+// as in H. Haario, M. Laine, A. Mira and E. Saksman, Statistics and Computing 16, 2006). Several chains from
+// points around the start; the first third of each is left out. Deterministic for a seed; thread-safe;
+// allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,8 +22,9 @@ struct MetropolisOptions {
 struct MetropolisSample {
   Sample sample;  ///< of all chains, one after the other
   double acceptance = 0.0;
-  /// Of each coordinate: independent draws that its mean is worth (C. Geyer, Statistical Science 7, 1992: initial
-  /// monotone sequence), and the split R-hat of all chains (Gelman and Rubin), near 1 where they agree.
+  /// Of each coordinate: independent draws that its mean is worth (C. Geyer, Statistical Science 7, 1992:
+  /// initial monotone sequence), and the split R-hat of all chains (Gelman and Rubin), near 1 where they
+  /// agree.
   Eigen::VectorXd effective_size;
   Eigen::VectorXd r_hat;
   int evaluations = 0;

@@ -1,5 +1,5 @@
-// A weighted sample of a distribution: moments, quantiles and how many independent draws it is worth. Pure; thread-safe;
-// allocates.
+// A weighted sample of a distribution: moments, quantiles and how many independent draws it is worth. Pure;
+// thread-safe; allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -34,7 +34,8 @@ struct Sample {
 /// Equal weights.
 Sample unweighted(Eigen::MatrixXd points);
 
-// Normal random numbers that are the same with every compiler and library. Single-threaded; does not allocate.
+// Normal random numbers that are the same with every compiler and library. Single-threaded; does not
+// allocate.
 
 class RandomNumbers {
  public:

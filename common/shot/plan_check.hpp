@@ -1,5 +1,5 @@
-// Whether a rig can play a plan: the limits of its lamps, shutter and loop. The workstation checks before it arms, the
-// firmware each FIRE. Pure; allocates; thread-safe.
+// Whether a rig can play a plan: the limits of its lamps, shutter and loop. The workstation checks before it
+// arms, the firmware each FIRE. Pure; allocates; thread-safe.
 #pragma once
 
 #include <cstdint>

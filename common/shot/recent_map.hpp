@@ -1,5 +1,5 @@
-// A map of bounded size that forgets what was entered first. Shots and events are keyed by boot, and boots are
-// random numbers: the smallest key is not the oldest. Not thread-safe; allocates.
+// A map of bounded size that forgets what was entered first. Shots and events are keyed by boot, and boots
+// are random numbers: the smallest key is not the oldest. Not thread-safe; allocates.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Student's t, chi-squared and Fisher's F. Degrees of freedom are above 0 and need not be whole (Welch-Satterthwaite); those
-// of Student's t may be infinite. Pure functions; thread-safe, real-time safe.
+// Student's t, chi-squared and Fisher's F. Degrees of freedom are above 0 and need not be whole
+// (Welch-Satterthwaite); those of Student's t may be infinite. Pure functions; thread-safe, real-time safe.
 #pragma once
 
 namespace strobe::statistics {
@@ -12,7 +12,8 @@ inline constexpr double kAboveOneSd = 0.158655253931457;
 /// t that is exceeded with the probability `above`, in (0, 0.5].
 double student_t_quantile(double degrees_of_freedom, double above);
 
-/// How many estimated sd hold 68.27 % of the deviations: 1 for infinitely many degrees of freedom, 1.84 for one.
+/// How many estimated sd hold 68.27 % of the deviations: 1 for infinitely many degrees of freedom, 1.84 for
+/// one.
 double student_t_sigma(double degrees_of_freedom);
 
 /// The same for `share` of the deviations, 0 to 1.

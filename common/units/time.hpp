@@ -16,8 +16,9 @@ using std::chrono::nanoseconds;
 
 using Duration = std::chrono::nanoseconds;
 
-/// CLOCK_MONOTONIC of the machine that strobed runs on, the clock of the kernel's edge stamps. It has no now():
-/// only a clock port reads it (firmware/ports/clock.hpp), so that programs also run on a virtual clock.
+/// CLOCK_MONOTONIC of the machine that strobed runs on, the clock of the kernel's edge stamps. It has no
+/// now(): only a clock port reads it (firmware/ports/clock.hpp), so that programs also run on a virtual
+/// clock.
 struct MonotonicClock {
   using duration = Duration;
   using rep = duration::rep;

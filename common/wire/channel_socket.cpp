@@ -158,7 +158,8 @@ bool ChannelSocket::join() {
          errno == EADDRINUSE;
 }
 
-/// Of one that is gone a membership would stay: it counts, and passes for one of an interface made anew with its index.
+/// Of one that is gone a membership would stay: it counts, and passes for one of an interface made anew with
+/// its index.
 void ChannelSocket::leave(int interface) {
   ip_mreqn membership{};
   inet_pton(AF_INET, group_.address.c_str(), &membership.imr_multiaddr);

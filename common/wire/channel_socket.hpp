@@ -3,8 +3,9 @@
 // nor a flood there wakes the reader. It calls the system, as firmware and host must treat untrusted bytes
 // alike. One thread's once open; allocates at the start, and where interfaces vanish.
 //
-// The kernel joins a group on the interface that the route names at that moment. An interface made anew (USB, a VPN,
-// a bridge) is another one: what is sent still goes there, nothing comes. stay_joined() joins it there, too.
+// The kernel joins a group on the interface that the route names at that moment. An interface made anew (USB,
+// a VPN, a bridge) is another one: what is sent still goes there, nothing comes. stay_joined() joins it
+// there, too.
 #pragma once
 
 #include <cstdint>
@@ -38,9 +39,9 @@ class ChannelSocket {
   /// May be another one after stay_joined().
   int fd() const { return fd_; }
 
-  /// To be called again and again. Joins the group where it now is to be joined: at once when an interface, an address or
-  /// a route has changed, else every kJoinAgain, in case that was not told. What is joined is not left for it, so that
-  /// nothing is lost and no switch learns of it.
+  /// To be called again and again. Joins the group where it now is to be joined: at once when an interface,
+  /// an address or a route has changed, else every kJoinAgain, in case that was not told. What is joined is
+  /// not left for it, so that nothing is lost and no switch learns of it.
   void stay_joined();
   static constexpr int kJoinAgain_s = 2;
 

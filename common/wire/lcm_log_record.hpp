@@ -1,5 +1,5 @@
-// Records of an LCM event log, as lcm/eventlog.c writes them: sync word, number, time, sizes, channel, message;
-// numbers big-endian. Allocates; thread-safe.
+// Records of an LCM event log, as lcm/eventlog.c writes them: sync word, number, time, sizes, channel,
+// message; numbers big-endian. Allocates; thread-safe.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
-// LCM URLs of UDP multicast, the only ones that the programs take. What is not read here to its last character
-// is refused: liblcm's own reader crashes on some (no port) and takes ports such as 0x1df3 or " 7667", and any
-// other kind of URL would bring in liblcm's receiver, which is not safe for untrusted bytes (lcm_datagram.hpp).
-// The environment's LCM_DEFAULT_URL is never read. Pure; thread-safe.
+// LCM URLs of UDP multicast, the only ones that the programs take. What is not read here to its last
+// character is refused: liblcm's own reader crashes on some (no port) and takes ports such as 0x1df3 or "
+// 7667", and any other kind of URL would bring in liblcm's receiver, which is not safe for untrusted bytes
+// (lcm_datagram.hpp). The environment's LCM_DEFAULT_URL is never read. Pure; thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -29,9 +29,9 @@ struct LcmUrl {
 
 inline constexpr int kMaxReceiveBuffer_bytes = 1 << 30;
 
-/// Reads udpm://ADDRESS:PORT?ttl=N&recv_buf_size=N. Both parameters may be left out, and ADDRESS:PORT, which is
-/// then LCM's default group. Numbers are decimal, without signs, spaces or leading zeros. The error says what
-/// is wrong, as one line.
+/// Reads udpm://ADDRESS:PORT?ttl=N&recv_buf_size=N. Both parameters may be left out, and ADDRESS:PORT, which
+/// is then LCM's default group. Numbers are decimal, without signs, spaces or leading zeros. The error says
+/// what is wrong, as one line.
 Result<LcmUrl> read_lcm_url(std::string_view text);
 
 /// As liblcm understands it in only one way; read_lcm_url reads the same from it.

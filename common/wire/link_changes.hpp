@@ -1,6 +1,6 @@
-// Changes of this machine's network interfaces, addresses and routes, as the kernel tells them (rtnetlink(7)).
-// Where it gives no such socket, nothing is ever told. Never blocks; one thread's; allocates only for interfaces that
-// vanish.
+// Changes of this machine's network interfaces, addresses and routes, as the kernel tells them
+// (rtnetlink(7)). Where it gives no such socket, nothing is ever told. Never blocks; one thread's; allocates
+// only for interfaces that vanish.
 #pragma once
 
 #include <vector>

@@ -7,13 +7,15 @@
 //  2. A shot is granted only to the host that armed, with the newest token it was given, before that expired,
 //     and only under a number that no shot had before. The shot uses the token up: fired or aborted, it is
 //     spent.
-//  3. Key off, e-stop, disarm, a suspended machine and fault end an arming and abort a shot, in whatever state, within
+//  3. Key off, e-stop, disarm, a suspended machine and fault end an arming and abort a shot, in whatever
+//  state, within
 //     that call.
 //  4. A fault stays latched until CLEAR; nothing is armed, granted or released while it is.
-//  5. A stop (key off, e-stop, disarm, a suspended machine, also the return of key or e-stop) stays latched until RESET,
-//     which a person must have given after it, with the key on and the e-stop released; kRestartDelay later at the
-//     soonest a host may arm, and only one that gave a RESET of its own since (ISO 13850: the release of an
-//     emergency stop must not start anything).
+//  5. A stop (key off, e-stop, disarm, a suspended machine, also the return of key or e-stop) stays latched
+//  until RESET,
+//     which a person must have given after it, with the key on and the e-stop released; kRestartDelay later
+//     at the soonest a host may arm, and only one that gave a RESET of its own since (ISO 13850: the release
+//     of an emergency stop must not start anything).
 //
 // All calls are real-time safe; one thread's. Refusals are texts in static storage; nullptr means granted.
 #pragma once

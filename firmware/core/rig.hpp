@@ -1,5 +1,5 @@
-// The rig as configured: lines, limits and times of rig.toml, in the firmware's units. Plain values, read once before the
-// loop starts, then only looked at.
+// The rig as configured: lines, limits and times of rig.toml, in the firmware's units. Plain values, read
+// once before the loop starts, then only looked at.
 #pragma once
 
 #include <array>
@@ -31,8 +31,8 @@ constexpr bool pulls(Bias bias) { return bias == Bias::pull_up || bias == Bias::
 /// Of one that pulls.
 constexpr Bias opposite(Bias bias) { return bias == Bias::pull_up ? Bias::pull_down : Bias::pull_up; }
 
-/// Pulls an open wire to where the e-stop reads as pressed, or the key as off; nullopt for a line whose broken wire
-/// stops nothing.
+/// Pulls an open wire to where the e-stop reads as pressed, or the key as off; nullopt for a line whose
+/// broken wire stops nothing.
 constexpr std::optional<Bias> fail_safe_bias(Line line, bool active_low) {
   if (line == Line::estop) return active_low ? Bias::pull_down : Bias::pull_up;
   if (line == Line::key) return active_low ? Bias::pull_up : Bias::pull_down;
@@ -106,8 +106,8 @@ struct Rig {
 /// The key of a line in [lines], e.g. "strobe_a".
 const char* line_key(Line line);
 
-/// Reads rig.toml. Every value is checked; the first error names file, line and key. [ball], [analysis] and [camera] belong
-/// to the host and are not checked. file_name: for errors. Pure; allocates; thread-safe.
+/// Reads rig.toml. Every value is checked; the first error names file, line and key. [ball], [analysis] and
+/// [camera] belong to the host and are not checked. file_name: for errors. Pure; allocates; thread-safe.
 Result<Rig> read_rig(std::string_view text, const std::string& file_name);
 
 }  // namespace strobe::firmware

@@ -132,7 +132,8 @@ void Sequencer::arm(const Command& command) noexcept {
   report(EventKind::armed, host_of(command));
 }
 
-/// Each is confirmed by an event of its own, also where nothing was armed: from now on nothing is, until a person acts.
+/// Each is confirmed by an event of its own, also where nothing was armed: from now on nothing is, until a
+/// person acts.
 void Sequencer::disarm(const Command& command) noexcept {
   const Interlock::Effect effect = interlock_.disarm(clock_.now());
   if (effect.kind == Interlock::Effect::Kind::abort) apply(effect);

@@ -27,8 +27,8 @@ class ShotPlayer {
 
   /// Requires: the interlock has granted the shot, and its plan has been checked.
   void begin(const Command& fire, std::int32_t shot_id, ShotRecord& record) noexcept;
-  /// How long before a plan may be fired, so that the lamps have recharged when its first flash comes. Valid: not
-  /// busy, the plan has been checked.
+  /// How long before a plan may be fired, so that the lamps have recharged when its first flash comes. Valid:
+  /// not busy, the plan has been checked.
   Duration recharge_left(const ShotPlan& plan) noexcept;
   bool busy() const noexcept { return phase_ != Phase::idle; }
   std::int32_t shot_id() const noexcept { return busy() ? record_->shot_id : 0; }
@@ -77,8 +77,8 @@ class ShotPlayer {
   Phase phase_ = Phase::idle;
   ShotRecord* record_ = nullptr;
   MonoTime closes_at_;
-  /// Of lamp A and of lamp B, of any shot. What they did before this start is not known: it may have been a flash
-  /// just then.
+  /// Of lamp A and of lamp B, of any shot. What they did before this start is not known: it may have been a
+  /// flash just then.
   std::array<MonoTime, 2> last_flash_;
   bool shutter_seen_open_ = false;
   bool shutter_seen_closed_ = false;

@@ -1,6 +1,6 @@
 // Timing of all flashes since the start, as published in the status: lateness and duration of each
-// set-values call as it is issued, the sensors' delays when a shot has ended. Fixed memory (0.3 MB), no allocation; one
-// thread's.
+// set-values call as it is issued, the sensors' delays when a shot has ended. Fixed memory (0.3 MB), no
+// allocation; one thread's.
 #pragma once
 
 #include <array>
@@ -11,9 +11,9 @@
 
 namespace strobe::firmware {
 
-/// Distribution of a signed duration in fixed tables: 256 steps per octave from 1 ns to 17 s on either side of
-/// zero, so that a percentile is exact within 0.4 %. After the log-linear histogram of G. Tene's HdrHistogram; mean and
-/// sd by B. P. Welford's recurrence (Technometrics 4, 1962).
+/// Distribution of a signed duration in fixed tables: 256 steps per octave from 1 ns to 17 s on either side
+/// of zero, so that a percentile is exact within 0.4 %. After the log-linear histogram of G. Tene's
+/// HdrHistogram; mean and sd by B. P. Welford's recurrence (Technometrics 4, 1962).
 class TimingHistogram {
  public:
   /// Some 20 equal bins over the middle 99 %, of a width that is 1, 2 or 5 times a power of ten [ns]. The

@@ -32,11 +32,12 @@ struct Gap {
 /// were interrupted at the same phase (within 40 us). Allocates.
 Tick detect_tick(std::span<const Gap> gaps, Duration period, int periods);
 
-/// Chooses a shot's start within one period of the kernel's timer tick so that its flashes fall between ticks.
+/// Chooses a shot's start within one period of the kernel's timer tick so that its flashes fall between
+/// ticks.
 ///
-/// If the periods of train and tick have a large common divisor (3 ms and 4 ms: 1 ms), it depends on the start
-/// whether one flash in a few meets the tick, or none. Other trains lose nothing. The ball times a gated
-/// burst: it is not moved. Real-time safe (some 20 us a call), one thread's.
+/// If the periods of train and tick have a large common divisor (3 ms and 4 ms: 1 ms), it depends on the
+/// start whether one flash in a few meets the tick, or none. Other trains lose nothing. The ball times a
+/// gated burst: it is not moved. Real-time safe (some 20 us a call), one thread's.
 class TickAvoidance {
  public:
   explicit TickAvoidance(const Tick& tick) noexcept;

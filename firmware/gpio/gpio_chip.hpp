@@ -1,7 +1,7 @@
-// A GPIO chip and requests of its lines, over whichever libgpiod there is: gpio_chip_v1.cpp is written for 1.6, whose
-// events have no sequence number and whose kernel buffer holds 16 edges of a line, the newest lost first;
-// gpio_chip_v2.cpp for 2, with one buffer for all inputs, the oldest lost first, and counted. Chosen when the build is
-// configured. Levels are logical: active or not. One thread at a time.
+// A GPIO chip and requests of its lines, over whichever libgpiod there is: gpio_chip_v1.cpp is written
+// for 1.6, whose events have no sequence number and whose kernel buffer holds 16 edges of a line, the newest
+// lost first; gpio_chip_v2.cpp for 2, with one buffer for all inputs, the oldest lost first, and counted.
+// Chosen when the build is configured. Levels are logical: active or not. One thread at a time.
 #pragma once
 
 #include <cstddef>
@@ -30,11 +30,12 @@ struct RequestFailure {
   std::size_t line = 0;  ///< of those asked for, the one that is to blame as far as that can be known
 };
 
-/// Output lines, held until destruction, which leaves them as they are; active is high. A fork shares them: they are
-/// held as long as one of the processes holds them.
+/// Output lines, held until destruction, which leaves them as they are; active is high. A fork shares them:
+/// they are held as long as one of the processes holds them.
 class OutputRequest {
  public:
-  /// One level for each line, in one system call. Returns false if it failed. Real-time safe and async-signal-safe.
+  /// One level for each line, in one system call. Returns false if it failed. Real-time safe and
+  /// async-signal-safe.
   bool set(std::span<const bool> active) noexcept;
 
   OutputRequest(OutputRequest&&) noexcept;
@@ -59,13 +60,13 @@ class InputRequest {
  public:
   /// What to poll for; each stays the same while the request lasts.
   std::span<const int> descriptors() const noexcept;
-  /// Takes edges, in order of time, from a descriptor that is readable, as many as there are and fit. Returns nullopt
-  /// if it cannot be read, as of a chip that was removed. Real-time safe.
+  /// Takes edges, in order of time, from a descriptor that is readable, as many as there are and fit. Returns
+  /// nullopt if it cannot be read, as of a chip that was removed. Real-time safe.
   std::optional<std::size_t> read(std::size_t descriptor, std::span<LineEdge> edges) noexcept;
   /// Level now; nullopt if it cannot be read. Real-time safe.
   std::optional<bool> level(std::size_t line) noexcept;
-  /// Edges that the kernel is known to have lost (2), or how often a buffer was found full, so that some may have been
-  /// (1.6).
+  /// Edges that the kernel is known to have lost (2), or how often a buffer was found full, so that some may
+  /// have been (1.6).
   std::int64_t overflows() const noexcept;
 
   InputRequest(InputRequest&&) noexcept;
@@ -93,7 +94,8 @@ class GpioChip {
   std::optional<unsigned> find_line(const std::string& name) const;
   /// Who uses a line, "" if that is not told; nullopt if nobody does.
   std::optional<std::string> user_of(unsigned offset) const;
-  /// What the kernel was asked for with the line's request; it tells so even of a chip that has no such resistor.
+  /// What the kernel was asked for with the line's request; it tells so even of a chip that has no such
+  /// resistor.
   Bias bias_of(unsigned offset) const;
 
   /// Drives the lines, by offset, low from the very start. At least one line, at most 64.

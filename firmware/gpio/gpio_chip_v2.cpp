@@ -69,8 +69,7 @@ ChipHandle open_chip(const std::string& which) {
   if (which.starts_with("/")) return ChipHandle(gpiod_chip_open(which.c_str()));
   const bool is_number = !which.empty() && which.find_first_not_of("0123456789") == std::string::npos;
   const std::string path = std::string(kDevices) + (is_number ? "/gpiochip" : "/") + which;
-  if (is_number || gpiod_is_gpiochip_device(path.c_str()))
-    return ChipHandle(gpiod_chip_open(path.c_str()));
+  if (is_number || gpiod_is_gpiochip_device(path.c_str())) return ChipHandle(gpiod_chip_open(path.c_str()));
   return open_labelled(which);
 }
 

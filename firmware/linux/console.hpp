@@ -1,6 +1,7 @@
 // Lines on standard error from threads that must not wait for whoever reads them: a terminal that Ctrl-S has
-// stopped or a pipe that nobody empties blocks every write. A thread of the console's own writes; what finds no
-// room meanwhile is counted, and told once writing goes on. Not real-time (a mutex, an allocation); any thread.
+// stopped or a pipe that nobody empties blocks every write. A thread of the console's own writes; what finds
+// no room meanwhile is counted, and told once writing goes on. Not real-time (a mutex, an allocation); any
+// thread.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +16,8 @@ class Console {
   static constexpr std::size_t kMaxLines = 256;
   static constexpr std::size_t kLongestLine = 1024;
 
-  /// fd: standard error; tests give others. Where no thread can be had, lines are written while they find room.
+  /// fd: standard error; tests give others. Where no thread can be had, lines are written while they find
+  /// room.
   explicit Console(int fd = 2);
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;

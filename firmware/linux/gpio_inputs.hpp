@@ -19,7 +19,8 @@ class GpioInputs final : public EdgeSource {
   static Result<std::unique_ptr<GpioInputs>> open(const Rig& rig, int wake_fd);
   ~GpioInputs() override;
 
-  /// What was put up with when the lines were taken: inputs whose broken wire would not stop the rig. One line each.
+  /// What was put up with when the lines were taken: inputs whose broken wire would not stop the rig. One
+  /// line each.
   const std::vector<std::string>& warnings() const;
 
   std::optional<std::size_t> wait(MonoTime until, std::span<Edge> edges) noexcept override;

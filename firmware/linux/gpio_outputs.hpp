@@ -12,9 +12,10 @@
 
 namespace strobe::firmware {
 
-/// Requested once, before a fork: then both processes hold the same lines, and either can make them inactive however
-/// the other ends. set(), set_lamps() and make_inactive() are real-time safe and async-signal-safe: no allocation and
-/// no lock, one system call for each of kOutputs. One thread's but for make_inactive() in a signal handler.
+/// Requested once, before a fork: then both processes hold the same lines, and either can make them inactive
+/// however the other ends. set(), set_lamps() and make_inactive() are real-time safe and async-signal-safe:
+/// no allocation and no lock, one system call for each of kOutputs. One thread's but for make_inactive() in a
+/// signal handler.
 class GpioOutputs final : public OutputLines {
  public:
   /// Takes the rig's output lines, inactive from the start. Errors name the rig file's line and key.
@@ -34,7 +35,8 @@ class GpioOutputs final : public OutputLines {
   std::array<std::optional<OutputRequest>, kOutputs.size()> requests_;
 };
 
-/// The output lines of a rig, found but not yet requested: of a rig whose strobed is gone, or lost its own lines.
+/// The output lines of a rig, found but not yet requested: of a rig whose strobed is gone, or lost its own
+/// lines.
 class OutputTakeover {
  public:
   static Result<OutputTakeover> prepare(const Rig& rig);

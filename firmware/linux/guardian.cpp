@@ -234,7 +234,8 @@ class Guardian {
     return outputs_.make_inactive();
   }
 
-  /// By the lines that the guardian holds; where they are dead, as of a chip that was plugged in again, by new ones.
+  /// By the lines that the guardian holds; where they are dead, as of a chip that was plugged in again, by
+  /// new ones.
   void make_safe() {
     if (set_inactive()) {
       safe_.emplace();
@@ -247,8 +248,8 @@ class Guardian {
                            : Result<void>(tl::unexpected(takeover.error())));
   }
 
-  /// The workstations hear it, several times as some may get lost. By a process of its own, without the lines: whoever
-  /// started strobed waits for its end to try the outputs once more (--safe).
+  /// The workstations hear it, several times as some may get lost. By a process of its own, without the
+  /// lines: whoever started strobed waits for its end to try the outputs once more (--safe).
   void sound_alarm(const std::string& cause) {
     if (fork() != 0) return;
     outputs_.release();

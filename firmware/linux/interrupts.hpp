@@ -28,8 +28,8 @@ struct InterruptMoves {
   std::vector<Interrupt> fixed;
   bool newcomers_kept_off = true;  ///< those that are requested later
 };
-/// Removes the CPU from the list of every interrupt that may run there, and from that of interrupts to come. Needs
-/// root; lasts until the machine is started anew.
+/// Removes the CPU from the list of every interrupt that may run there, and from that of interrupts to come.
+/// Needs root; lasts until the machine is started anew.
 InterruptMoves move_interrupts_off(int cpu, const SystemFiles& files);
 
 }  // namespace strobe::firmware

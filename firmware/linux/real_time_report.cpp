@@ -102,7 +102,8 @@ PreemptionModel read_preemption(const SystemFiles& files) {
   return {Preemption::unknown, flags.empty() ? "" : "/" + version, dynamic};
 }
 
-/// Adds to the kernel's command line: where a Raspberry Pi's firmware reads it, else by GRUB. Good after a reboot.
+/// Adds to the kernel's command line: where a Raspberry Pi's firmware reads it, else by GRUB. Good after a
+/// reboot.
 std::string add_boot_options(const std::string& options, const SystemFiles& files) {
   const std::string raspberry_pi = "boot/firmware/cmdline.txt";
   if (files.read(raspberry_pi)) return "sed -i '1s/$/ " + options + "/' /" + raspberry_pi;

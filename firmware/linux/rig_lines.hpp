@@ -1,5 +1,5 @@
-// The chip and lines that a rig file names, found or told in words that name the file's line and key. Set-up only,
-// not real-time.
+// The chip and lines that a rig file names, found or told in words that name the file's line and key. Set-up
+// only, not real-time.
 #pragma once
 
 #include <string>
@@ -37,8 +37,8 @@ inline constexpr const char* kAllowUser = "the user must be allowed to open it, 
 /// Whether it is a label: no path, name ("gpiochip0") or number ("0").
 bool is_chip_label(const std::string& which);
 
-/// The path; for a label among these nodes, that are needed for nothing else. Fails with a line of words if no chip
-/// has the label, or several have.
+/// The path; for a label among these nodes, that are needed for nothing else. Fails with a line of words if
+/// no chip has the label, or several have.
 Result<std::string> chip_path(const std::string& which, const std::vector<ChipNode>& nodes);
 
 /// The USB port of a chip such as "gpiochip0", e.g. "1-2"; empty if it is on none.

@@ -9,9 +9,10 @@
 
 namespace strobe::firmware {
 
-/// Tells of the death of another process's thread, of whatever cause, before the kernel takes apart that process's
-/// memory (which may take milliseconds) and long before it lets go of its descriptors. In memory that both processes
-/// share. A robust mutex: a waiter is woken as one of the first things of the holder's end.
+/// Tells of the death of another process's thread, of whatever cause, before the kernel takes apart that
+/// process's memory (which may take milliseconds) and long before it lets go of its descriptors. In memory
+/// that both processes share. A robust mutex: a waiter is woken as one of the first things of the holder's
+/// end.
 class Lifeline {
  public:
   Lifeline();

@@ -1,5 +1,6 @@
-// Keeps the machine awake while a shot may come: a lock of logind's on sleep and lid, held by a systemd-inhibit(1) that
-// waits for the end of a pipe of this process's, and so ends with it, whatever ends it. Not real-time; one thread's.
+// Keeps the machine awake while a shot may come: a lock of logind's on sleep and lid, held by a
+// systemd-inhibit(1) that waits for the end of a pipe of this process's, and so ends with it, whatever ends
+// it. Not real-time; one thread's.
 #pragma once
 
 #include <sys/types.h>
@@ -22,7 +23,8 @@ class SleepInhibitor {
   SleepInhibitor& operator=(const SleepInhibitor&) = delete;
   ~SleepInhibitor() { let_go(); }
 
-  /// At each change of the wish, and once a second or so besides. Waits for nothing but the start of the program.
+  /// At each change of the wish, and once a second or so besides. Waits for nothing but the start of the
+  /// program.
   void turn(bool wanted, MonoTime now);
 
  private:

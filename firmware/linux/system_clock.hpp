@@ -15,7 +15,8 @@ class SystemClock final : public Clock {
     while (t < instant) t = now();
     return t;
   }
-  /// CLOCK_BOOTTIME goes on in a suspended machine. It is read first: a preemption in between makes the sleep look shorter.
+  /// CLOCK_BOOTTIME goes on in a suspended machine. It is read first: a preemption in between makes the sleep
+  /// look shorter.
   Duration suspended() noexcept override {
     const std::int64_t boot_time = read(CLOCK_BOOTTIME);
     return Duration{boot_time - read(CLOCK_MONOTONIC)};

@@ -3,9 +3,10 @@
 // A virtual machine, or one of its cores, may stand still for longer than a hung loop can be tolerated, while
 // the clock goes on. So by time alone a loop hangs after half a second. But a guardian that checks every
 // 10 ms on the loop's own core, at a higher priority and each time punctually, has seen that core run: a loop
-// without a heartbeat in that time hangs. Or so it is taken: a loop that waits in the kernel for a page from a disk or
-// for a bus that is stalled looks the same, as does one that a busy machine starves. While a shot is under way that
-// is the safe side. While none is, nothing is active that a loop could leave on, and it is waited for.
+// without a heartbeat in that time hangs. Or so it is taken: a loop that waits in the kernel for a page from
+// a disk or for a bus that is stalled looks the same, as does one that a busy machine starves. While a shot
+// is under way that is the safe side. While none is, nothing is active that a loop could leave on, and it is
+// waited for.
 #pragma once
 
 #include "common/units/time.hpp"

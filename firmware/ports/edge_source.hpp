@@ -30,8 +30,8 @@ class EdgeSource {
   virtual std::optional<std::size_t> poll(MonoTime until, std::span<Edge> edges) noexcept = 0;
   /// Logical level now. Returns nullopt if it cannot be read.
   virtual std::optional<bool> level(Input input) noexcept = 0;
-  /// Edges that a kernel buffer lost since the start, or, where the kernel does not count them, how often it was found
-  /// full, so that some may have been.
+  /// Edges that a kernel buffer lost since the start, or, where the kernel does not count them, how often it
+  /// was found full, so that some may have been.
   virtual std::int64_t kernel_overflows() const noexcept = 0;
 };
 

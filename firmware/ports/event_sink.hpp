@@ -61,8 +61,8 @@ struct Event {
   ShortText detail;
 };
 
-/// Values are those of status_t. Spent: the last shot was fired or aborted; only another can be armed. Stopped: by key,
-/// e-stop, DISARM or sleep, until a person has it reset.
+/// Values are those of status_t. Spent: the last shot was fired or aborted; only another can be armed.
+/// Stopped: by key, e-stop, DISARM or sleep, until a person has it reset.
 enum class State : std::int8_t { idle = 0, armed, firing, fault, spent, stopped };
 
 /// The loop's state; reported at every change.

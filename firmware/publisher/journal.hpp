@@ -53,7 +53,8 @@ class Journal {
   /// Fails, saying what happened and what to do, if the file was moved, removed, replaced or changed by
   /// others or the folder is not writable: what is appended might not be found again.
   Result<void> check() const;
-  /// Reserves disk space for a shot, unless it already is. Fails if there is too little, or none to list this start.
+  /// Reserves disk space for a shot, unless it already is. Fails if there is too little, or none to list this
+  /// start.
   Result<void> make_room();
 
   const std::filesystem::path& path() const { return path_; }

@@ -12,8 +12,8 @@
 #include "firmware/ports/event_sink.hpp"
 #include "firmware/ports/wake.hpp"
 
-// moodycamel's queue is annotated for the thread sanitizer, which does not see its fences under g++ and would report every
-// hand-over as a race.
+// moodycamel's queue is annotated for the thread sanitizer, which does not see its fences under g++ and would
+// report every hand-over as a race.
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
 namespace strobe::firmware {

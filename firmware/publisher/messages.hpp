@@ -1,5 +1,5 @@
-// From the loop's records, and the state of loop, journal and timing at one instant, to LCM messages. Pure but for the
-// clocks where named; they allocate; thread-safe.
+// From the loop's records, and the state of loop, journal and timing at one instant, to LCM messages. Pure
+// but for the clocks where named; they allocate; thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -60,8 +60,8 @@ struct StatusParts {
 /// In microseconds; without values all are NaN and there are no bins.
 strobe_msgs::histogram_t to_message(TimingQuantity quantity, const TimingHistogram& histogram);
 
-/// The last message of each histogram, made anew only once a value was added: percentiles cost more than the rest
-/// of a status.
+/// The last message of each histogram, made anew only once a value was added: percentiles cost more than the
+/// rest of a status.
 class HistogramMessages {
  public:
   const strobe_msgs::histogram_t& of(TimingQuantity quantity, const TimingHistogram& histogram);

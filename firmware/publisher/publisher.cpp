@@ -27,7 +27,8 @@ std::vector<std::uint8_t> encoded(const T& message) {
   return bytes;
 }
 
-/// What a person did for safety, or the rig for a person: the journal must tell it even if the power fails next.
+/// What a person did for safety, or the rig for a person: the journal must tell it even if the power fails
+/// next.
 bool is_of_safety(EventKind kind) {
   switch (kind) {
     case EventKind::key:

@@ -1,7 +1,7 @@
-// Writes the loop's records to the journal, then publishes them, and syncs it in the turns in which a shot has
-// ended or somebody has stopped or freed the rig; publishes the status; resends from the journal. Runs on a
-// thread of its own, without real-time rights. An exception here ends the process, and the guardian makes the
-// outputs safe.
+// Writes the loop's records to the journal, then publishes them, and syncs it in the turns in which a shot
+// has ended or somebody has stopped or freed the rig; publishes the status; resends from the journal. Runs on
+// a thread of its own, without real-time rights. An exception here ends the process, and the guardian makes
+// the outputs safe.
 #pragma once
 
 #include <atomic>
@@ -52,8 +52,8 @@ class Publisher {
   void run(const std::stop_token& stop, int wake_fd);
   /// Longest part of journals that a turn reads [bytes], besides one record.
   static constexpr std::int64_t kTurn_bytes = std::int64_t{64} << 10;
-  /// Writes and publishes the queue; publishes the status when due; goes on with a resend or, if there is none,
-  /// with the check of the last boot's journal. Does not wait.
+  /// Writes and publishes the queue; publishes the status when due; goes on with a resend or, if there is
+  /// none, with the check of the last boot's journal. Does not wait.
   void turn();
   /// When a turn is due even if the queue is empty; may be in the past.
   MonoTime next_turn() const;

@@ -1,6 +1,6 @@
 // Commands from the message bus: checks that each is sealed with the lab's key for this rig, well-formed,
-// addressed to this start of the firmware, not a repetition and not too old, then passes it to the loop or the publisher;
-// others are counted and ignored. On a thread of its own, without real-time rights.
+// addressed to this start of the firmware, not a repetition and not too old, then passes it to the loop or
+// the publisher; others are counted and ignored. On a thread of its own, without real-time rights.
 #pragma once
 
 #include <atomic>
@@ -25,8 +25,8 @@ class CommandQueue final : public CommandSource {
  public:
   explicit CommandQueue(Wake& loop) : queue_(kCapacity), loop_(loop) {}
   bool pop(Command& command) noexcept override { return queue_.try_dequeue(command); }
-  /// False if full. A loop that cannot be woken takes the command in its next turn, Sequencer::kLongestSleep later
-  /// at most.
+  /// False if full. A loop that cannot be woken takes the command in its next turn, Sequencer::kLongestSleep
+  /// later at most.
   bool push(const Command& command);
 
  private:
@@ -63,8 +63,8 @@ std::int64_t random_id();
 
 class Receiver {
  public:
-  /// boot_time_ns: reads CLOCK_BOOTTIME. draw_token: returns a new arm token, not 0. heard_ns: set to the boot time
-  /// at which a host was last heard.
+  /// boot_time_ns: reads CLOCK_BOOTTIME. draw_token: returns a new arm token, not 0. heard_ns: set to the
+  /// boot time at which a host was last heard.
   Receiver(const Rig& rig, std::int64_t boot_id, const authentication::Key& key, CommandQueue& commands,
            Mailbox& mailbox, Rejections& rejections, std::function<std::int64_t()> boot_time_ns,
            std::function<std::int64_t()> draw_token = random_id,

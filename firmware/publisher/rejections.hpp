@@ -1,4 +1,5 @@
-// Packets of the command channel that were rejected: how many since the start, by reason, and a line now and then.
+// Packets of the command channel that were rejected: how many since the start, by reason, and a line now and
+// then.
 #pragma once
 
 #include <array>

@@ -55,7 +55,6 @@ std::optional<EventRange> ResendQueue::next() {
   return being_answered_;
 }
 
-
 namespace {
 
 std::int64_t size_of(const std::filesystem::path& path) {

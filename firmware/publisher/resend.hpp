@@ -45,18 +45,19 @@ class ResendQueue {
   EventRange being_answered_;
 };
 
-/// Finds and reads the messages of a range of events in a journal. The journal is its own index: it is in order
-/// of sequences, so that its first record of the range is found by halving, each time from the next whole record.
-/// Nothing can be out of date or torn that the journal itself is not, and no memory grows with its size. Works in
-/// bounded steps, also on a journal that is still being written or is damaged. Not real-time; one thread's.
+/// Finds and reads the messages of a range of events in a journal. The journal is its own index: it is in
+/// order of sequences, so that its first record of the range is found by halving, each time from the next
+/// whole record. Nothing can be out of date or torn that the journal itself is not, and no memory grows with
+/// its size. Works in bounded steps, also on a journal that is still being written or is damaged. Not
+/// real-time; one thread's.
 class RangeReader {
  public:
   /// Where there is no such file, or it cannot be read, the range has no messages.
   RangeReader(const std::filesystem::path& path, const SequenceRange& wanted);
 
   enum class Step { message, searching, done };
-  /// Reads at most one record and wire::LogReader::kPart_bytes of the file. `message`: the next of the range's events,
-  /// or of the shots that any of them belongs to.
+  /// Reads at most one record and wire::LogReader::kPart_bytes of the file. `message`: the next of the
+  /// range's events, or of the shots that any of them belongs to.
   Step step(wire::LogRecord& record);
   /// From the file so far.
   std::int64_t bytes_read() const { return log_.bytes_read(); }

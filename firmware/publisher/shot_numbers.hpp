@@ -1,7 +1,7 @@
 // The numbers of a session folder's shots: none is ever used twice, also where a power cut took the journal's
-// last events, which were obeyed before they could be synced. Numbers are set aside on the disk before they are
-// used, in the file `shot-numbers`: the highest that may have been used. Only an orderly end gives back what is
-// left of them, so that after any other a few numbers are left out. Not real-time; one thread's.
+// last events, which were obeyed before they could be synced. Numbers are set aside on the disk before they
+// are used, in the file `shot-numbers`: the highest that may have been used. Only an orderly end gives back
+// what is left of them, so that after any other a few numbers are left out. Not real-time; one thread's.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,8 @@ class ShotNumbers {
   /// So many are set aside at once, when fewer than half are left: shots go on while the disk is slow.
   static constexpr std::int32_t kAtOnce = 16;
 
-  /// The highest number that may have been used; nullopt if the folder's file is not there or cannot be understood.
+  /// The highest number that may have been used; nullopt if the folder's file is not there or cannot be
+  /// understood.
   static std::optional<std::int32_t> read(const std::filesystem::path& dir);
 
   /// last_in_journals: the highest that the folder's journals have. Where the file is missing beside them,
@@ -28,8 +29,8 @@ class ShotNumbers {
   std::int32_t last_before() const { return last_before_; }
   /// The highest that may be used.
   std::int32_t limit() const { return limit_; }
-  /// Sets further ones aside if fewer than half are left; limit() rises once they are on the disk. Fails with the
-  /// path and the cause. last_used: by a shot of this start, or last_before().
+  /// Sets further ones aside if fewer than half are left; limit() rises once they are on the disk. Fails with
+  /// the path and the cause. last_used: by a shot of this start, or last_before().
   Result<void> set_aside(std::int32_t last_used);
   /// At an orderly end, when the journal is on the disk.
   Result<void> give_back(std::int32_t last_used);

@@ -1,5 +1,5 @@
-// Tells the hosts that outputs may be active which strobed can no longer switch off: a status under the worker's boot,
-// sent by the guardian once the worker is dead. Not real-time; one thread's.
+// Tells the hosts that outputs may be active which strobed can no longer switch off: a status under the
+// worker's boot, sent by the guardian once the worker is dead. Not real-time; one thread's.
 #pragma once
 
 #include <cstdint>

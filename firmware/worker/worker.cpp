@@ -201,7 +201,8 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page, GpioO
   const auto shared_wake = std::make_shared<EventFd>();
   EventFd& loop_wake = *shared_wake;
   EventFd publisher_wake;
-  // The outputs were taken inactive; only the loop sets them, so until it starts there is nothing to make safe.
+  // The outputs were taken inactive; only the loop sets them, so until it starts there is nothing to make
+  // safe.
   const auto give_up = [&page, &console](const std::string& why) {
     page.outputs_safe = true;
     console.say(why);

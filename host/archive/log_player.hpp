@@ -1,4 +1,5 @@
-// Logs played to a host loop, which computes all readouts again: the loop of every replay. Reads files; one thread's.
+// Logs played to a host loop, which computes all readouts again: the loop of every replay. Reads files; one
+// thread's.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +25,9 @@
 
 namespace strobe::host {
 
-/// Whether a log has a packet that is sealed with the lab's key. It is then reduced from those alone; a log without, of
-/// another lab or of a journal, which is never sealed, as unverified. Absent: it has no message of the rig's firmware.
+/// Whether a log has a packet that is sealed with the lab's key. It is then reduced from those alone; a log
+/// without, of another lab or of a journal, which is never sealed, as unverified. Absent: it has no message
+/// of the rig's firmware.
 std::optional<bool> is_sealed(const std::filesystem::path& log, const std::string& rig,
                               const authentication::Key& key);
 
@@ -41,7 +43,8 @@ class LogPlayer {
   /// Told of each message before the loop has it.
   using Watcher = std::function<void(const LogMessage&)>;
   void play(StoredLogs& logs, const Watcher& watcher = {});
-  /// Of a journal, whose messages nobody sealed: what the logs lack of it. handler: told of all that is in it.
+  /// Of a journal, whose messages nobody sealed: what the logs lack of it. handler: told of all that is in
+  /// it.
   void complete_from(StoredLogs& journal, MessageHandler& handler);
   /// No message will come any more.
   void end() { loop_.end_session(); }
@@ -103,7 +106,8 @@ class FiredShots final : public HostListener, public MessageHandler {
   const std::map<std::int64_t, HostHeard>& reading_hosts() const { return reading_; }
   /// The shot's newest frame in the hosts' logs; null: there is none.
   const LoggedFrame* frame(const ShotKey& key) const;
-  /// A frame that came when the wait for it was over here, and from which a later run has told a readout all the same.
+  /// A frame that came when the wait for it was over here, and from which a later run has told a readout all
+  /// the same.
   const LoggedFrame* late_frame(const ShotKey& key) const;
 
  private:

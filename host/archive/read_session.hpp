@@ -1,5 +1,5 @@
-// A session as its folder holds it: runs of `strobe fire`, and every shot that they fired, with its photograph, its
-// digitizations and its readout computed again. Plain values; thread-safe.
+// A session as its folder holds it: runs of `strobe fire`, and every shot that they fired, with its
+// photograph, its digitizations and its readout computed again. Plain values; thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -32,9 +32,9 @@ struct StoredSession {
   bool verified = false;                    ///< all is sealed with the lab's key
 };
 
-// Reads a session's folder: its host logs in the order of their writing (a shot may begin in one and end in the next),
-// strobed's journals where they lie beside them, runs.jsonl, the photographs and the corrected digitizations. Reads files;
-// not thread-safe with a host that still writes there.
+// Reads a session's folder: its host logs in the order of their writing (a shot may begin in one and end in
+// the next), strobed's journals where they lie beside them, runs.jsonl, the photographs and the corrected
+// digitizations. Reads files; not thread-safe with a host that still writes there.
 
 struct ReadSessionOptions {
   std::string rig_path;  ///< empty: the folder's rig.toml
@@ -43,8 +43,8 @@ struct ReadSessionOptions {
   std::function<void(double)> progress;
 };
 
-/// Every shot that the session's runs fired is in the result, whatever became of it. Fails with one line that names
-/// what is not there: the folder, a log in it, a rig file.
+/// Every shot that the session's runs fired is in the result, whatever became of it. Fails with one line that
+/// names what is not there: the folder, a log in it, a rig file.
 Result<StoredSession> read_session(const std::filesystem::path& folder,
                                    const ReadSessionOptions& options = {});
 

@@ -76,8 +76,8 @@ std::string corrections_name(const StoredSession& session, const ShotKey& key, i
   return digitization_stem(session.folder, key, number).filename().string() + ".toml";
 }
 
-/// With the corrections under the name that they have in the session, to which what is kept refers, whatever their file was
-/// called before. A failure names that.
+/// With the corrections under the name that they have in the session, to which what is kept refers, whatever
+/// their file was called before. A failure names that.
 Result<MeasuredPhotograph> measure_to_keep(const StoredSession& session, const Shot& shot,
                                            const std::string& text, const std::string& file_name,
                                            int number) {
@@ -232,8 +232,8 @@ bool take(std::string_view& text, std::string_view word) {
   return true;
 }
 
-/// A digitization's times are those of the flashes, which are found anew; one that matched none (null) is read like the
-/// others. Whether there was such an image.
+/// A digitization's times are those of the flashes, which are found anew; one that matched none (null) is
+/// read like the others. Whether there was such an image.
 bool give_times(nlohmann::json& object) {
   bool given = false;
   if (!object.is_object() || !object.contains("images") || !object["images"].is_array()) return false;

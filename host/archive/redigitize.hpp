@@ -1,5 +1,5 @@
-// A session's photographs measured again: with a person's corrections, or because their measurement was lost; put into the
-// session, and taken back. Reads and writes files; one process's at a time.
+// A session's photographs measured again: with a person's corrections, or because their measurement was lost;
+// put into the session, and taken back. Reads and writes files; one process's at a time.
 #pragma once
 
 #include <filesystem>
@@ -16,8 +16,9 @@
 
 namespace strobe::host {
 
-/// Measures the shot's photograph with what its session has: rig file, calibration, the flashes' times and the effort that
-/// its run asked for. Fails with one line: no photograph, no summary, a file that cannot be read.
+/// Measures the shot's photograph with what its session has: rig file, calibration, the flashes' times and
+/// the effort that its run asked for. Fails with one line: no photograph, no summary, a file that cannot be
+/// read.
 Result<MeasuredPhotograph> redigitize(const StoredSession& session, const Shot& shot,
                                       const std::vector<digitize::Correction>& corrections = {});
 /// With the corrections of the shot's newest digitization: what there is to see of it.
@@ -37,8 +38,8 @@ struct ChangedShot {
   bool changed = true;  ///< false: it was so before
 };
 
-/// Puts the photograph's measurement with these corrections (a file's text, and its name for messages) into the session,
-/// to be the one that counts. If it is the newest already nothing is written.
+/// Puts the photograph's measurement with these corrections (a file's text, and its name for messages) into
+/// the session, to be the one that counts. If it is the newest already nothing is written.
 Result<ChangedShot> put_correction(const StoredSession& session, const Shot& shot,
                                    const std::string& corrections, const std::string& file_name,
                                    const Author& author);
@@ -50,13 +51,15 @@ struct Completion {
   int digitized = 0;
   std::vector<std::string> problems;  ///< a line for each photograph that cannot be measured, or not be kept
 };
-/// Measures all photographs that are kept and were never digitized, and puts that into the session and into `session`.
+/// Measures all photographs that are kept and were never digitized, and puts that into the session and into
+/// `session`.
 Completion complete(StoredSession& session);
 
-// A session's folder digitizations/: photographs that were measured again, by a person's corrections or because their
-// measurement was lost. shot-0003-<boot hex>-<n>.json holds the frame as `strobe digitize --json` prints it, with who
-// and when; the corrections that made it are beside it, shot-0003-<boot hex>-<n>.toml. The largest n counts. What was
-// taken back has another ending. Reads and writes files; one process's at a time.
+// A session's folder digitizations/: photographs that were measured again, by a person's corrections or
+// because their measurement was lost. shot-0003-<boot hex>-<n>.json holds the frame as `strobe digitize
+// --json` prints it, with who and when; the corrections that made it are beside it, shot-0003-<boot
+// hex>-<n>.toml. The largest n counts. What was taken back has another ending. Reads and writes files; one
+// process's at a time.
 
 struct DigitizationFile {
   std::filesystem::path path;
@@ -66,7 +69,8 @@ struct DigitizationFile {
 
 /// Absent: it is not the name of such a file.
 std::optional<DigitizationFile> digitization_file(const std::filesystem::path& path);
-/// Those of the session, each shot's in the order of their numbers. Fails where the folder is there and cannot be read.
+/// Those of the session, each shot's in the order of their numbers. Fails where the folder is there and
+/// cannot be read.
 Result<std::map<ShotKey, std::vector<DigitizationFile>>> digitization_files(
     const std::filesystem::path& session);
 /// The name that the shot's digitization of this number has in the session, without its ending.

@@ -1,5 +1,5 @@
-// The rig files of a session: the folder's rig.toml, and where a later run used another one, or another calibration, those
-// that it kept. Reads files; allocates.
+// The rig files of a session: the folder's rig.toml, and where a later run used another one, or another
+// calibration, those that it kept. Reads files; allocates.
 #pragma once
 
 #include <filesystem>
@@ -19,8 +19,8 @@ namespace strobe::host {
 
 class SessionRigs {
  public:
-  /// rig_path: in place of all that the folder has; empty: none is given. logs: the hosts' of the folder. Fails with the
-  /// file's name.
+  /// rig_path: in place of all that the folder has; empty: none is given. logs: the hosts' of the folder.
+  /// Fails with the file's name.
   static Result<SessionRigs> open(const std::filesystem::path& folder, const std::string& rig_path,
                                   const std::vector<std::filesystem::path>& logs);
 
@@ -52,8 +52,8 @@ struct UnnamedPhotographs {
   std::vector<std::string> remarks;  ///< a sentence for each that cannot be told apart
 };
 
-/// Photographs that no frame names (`named`), by the number in their names, for those of `without` that have none. One
-/// that may show either of two shots is used for neither.
+/// Photographs that no frame names (`named`), by the number in their names, for those of `without` that have
+/// none. One that may show either of two shots is used for neither.
 UnnamedPhotographs unnamed_photographs(const std::filesystem::path& session,
                                        const std::set<std::filesystem::path>& named,
                                        const std::vector<ShotKey>& without);

@@ -93,7 +93,8 @@ std::string lengthened(std::string line) {
   return line.append(columns > there ? columns - there : 0, ',');
 }
 
-/// Rows that there were, in their order, each shot once; then each further shot behind the one fired before it.
+/// Rows that there were, in their order, each shot once; then each further shot behind the one fired before
+/// it.
 std::vector<ShotKey> order(const StoredSession& session, const std::vector<ResultsRow>& rows) {
   std::vector<ShotKey> keys;
   std::set<ShotKey> known;

@@ -19,27 +19,29 @@ namespace strobe::host {
 /// The shot as the logs give it, or where they end before its result, as much as they tell.
 Shot logged_outcome(const ShotKey& key, const LoggedShot& fired);
 
-/// Gives the shot the readout of its newest digitization, or none, and judges whether it counts; what it was told of the
-/// events that came and of the firmware's clock stays. A shot without a summary stays as it is.
+/// Gives the shot the readout of its newest digitization, or none, and judges whether it counts; what it was
+/// told of the events that came and of the firmware's clock stays. A shot without a summary stays as it is.
 void judge_again(Shot& shot);
 
 /// Whether its photograph is kept and was never digitized: the host ended before.
 bool never_digitized(const Shot& shot);
-/// Of the session's shots to which that happened, with the command that mends it; nullopt: there are none. Aborted
-/// shots, whose photographs measure nothing, are not told.
+/// Of the session's shots to which that happened, with the command that mends it; nullopt: there are none.
+/// Aborted shots, whose photographs measure nothing, are not told.
 std::optional<std::string> never_digitized_remark(const StoredSession& session);
 
 // A stored shot's numbers by another estimator. Pure; thread-safe; allocates.
 
-/// The result with a readout by this estimator, from the digitization that counts and the flashes' most probable times;
-/// whether the shot counts stays as it was. Fails with one line if there is no digitization, or no flashes match it.
+/// The result with a readout by this estimator, from the digitization that counts and the flashes' most
+/// probable times; whether the shot counts stays as it was. Fails with one line if there is no digitization,
+/// or no flashes match it.
 Result<Shot> reduced_by(const Shot& shot, reduction::Estimator estimator,
                         const reduction::ReduceOptions& options);
 
 // results.csv made anew from the session. Pure, but for rebuild_results(), which writes a file; allocates.
 
-/// The whole table: a row for each shot, with the numbers of the digitization that counts. existing: the table as it
-/// is, or empty; its rows keep their order, those of shots that the session does not tell of stay as they are.
+/// The whole table: a row for each shot, with the numbers of the digitization that counts. existing: the
+/// table as it is, or empty; its rows keep their order, those of shots that the session does not tell of stay
+/// as they are.
 std::string results_table(const StoredSession& session, const std::vector<ResultsRow>& existing);
 
 /// Writes the table, and the data dictionary beside it; what the session's own results.csv has is taken into

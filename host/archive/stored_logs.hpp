@@ -1,5 +1,5 @@
-// The LCM logs of a session's folder. Several are read as one, in order of time, as hosts may have written at once.
-// Reads files; one thread's.
+// The LCM logs of a session's folder. Several are read as one, in order of time, as hosts may have written at
+// once. Reads files; one thread's.
 #pragma once
 
 #include <cstdint>

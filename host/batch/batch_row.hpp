@@ -1,5 +1,5 @@
-// One shot of a batch: measured again from its stored photograph, at its own flashes' times, and reduced. Reads the
-// photograph; thread-safe; allocates.
+// One shot of a batch: measured again from its stored photograph, at its own flashes' times, and reduced.
+// Reads the photograph; thread-safe; allocates.
 #pragma once
 
 #include <filesystem>
@@ -48,9 +48,9 @@ BatchRow failed_row(const Shot& shot, const std::string& why);
 std::vector<Column> batch_columns();
 std::string_view name(RowSource source);
 
-// Finished rows of a batch, one JSON object a line: done.jsonl, or of a part on one of several machines done-2-of-8.jsonl.
-// A row is on the disk before it counts as finished; what a kill cut short at the end is removed. Writes a file that only
-// one process has open at a time; thread-safe.
+// Finished rows of a batch, one JSON object a line: done.jsonl, or of a part on one of several machines
+// done-2-of-8.jsonl. A row is on the disk before it counts as finished; what a kill cut short at the end is
+// removed. Writes a file that only one process has open at a time; thread-safe.
 
 /// A photograph as it was when its bytes were hashed.
 struct PhotographStamp {

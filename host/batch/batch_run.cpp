@@ -127,7 +127,8 @@ void BatchRun::finish_unread(const BatchSession& session, const std::string& why
   finish_session(unread);
 }
 
-/// Sets the key; it stays empty where the photograph cannot even be read: that is tried again in the next run.
+/// Sets the key; it stays empty where the photograph cannot even be read: that is tried again in the next
+/// run.
 BatchRow BatchRun::row_of(const BatchShot& job, std::string& key, bool& earlier) {
   std::optional<PhotographStamp> stamp;
   if (job.source == RowSource::photograph) {

@@ -1,5 +1,6 @@
-// A batch under way: sessions are read and photographs measured by several threads, each row is stored as it is finished,
-// each session's table once all its rows are. Reads and writes files; run() blocks; stop() may be called by any thread.
+// A batch under way: sessions are read and photographs measured by several threads, each row is stored as it
+// is finished, each session's table once all its rows are. Reads and writes files; run() blocks; stop() may
+// be called by any thread.
 #pragma once
 
 #include <atomic>
@@ -46,8 +47,8 @@ class BatchRun {
            Listener listener);
   ~BatchRun();
 
-  /// Returns once all sessions are finished, or the photographs under way after stop(). Fails with the file that cannot be
-  /// written.
+  /// Returns once all sessions are finished, or the photographs under way after stop(). Fails with the file
+  /// that cannot be written.
   Result<BatchProgress> run(const std::vector<BatchSession>& sessions, int jobs);
   /// Safe in a signal's handler.
   void stop() { stopped_ = true; }

@@ -1,5 +1,6 @@
-// What a batch leaves in its folder: NAME.csv of each session, results.csv of all by the sessions' names, each with its
-// data dictionary, NAME.remarks.txt, and batch.json, which names the sessions. Writes files; one thread's.
+// What a batch leaves in its folder: NAME.csv of each session, results.csv of all by the sessions' names,
+// each with its data dictionary, NAME.remarks.txt, and batch.json, which names the sessions. Writes files;
+// one thread's.
 #pragma once
 
 #include <filesystem>
@@ -34,12 +35,14 @@ Result<BatchManifest> read_manifest(const std::filesystem::path& folder);
 Result<void> write_session_table(const std::filesystem::path& folder, const std::string& session,
                                  const std::string& lines);
 
-/// NAME.remarks.txt: what of the session could not be read or is missing, a line each; no file where there is nothing.
+/// NAME.remarks.txt: what of the session could not be read or is missing, a line each; no file where there is
+/// nothing.
 Result<void> write_session_remarks(const std::filesystem::path& folder, const std::string& session,
                                    const std::vector<std::string>& remarks);
 
-/// results.csv of all sessions, which may lie in several folders, into `out`. Returns the number of rows. Fails if the
-/// folders are of different batches, or with the number of sessions that are not finished and the first of their names.
+/// results.csv of all sessions, which may lie in several folders, into `out`. Returns the number of rows.
+/// Fails if the folders are of different batches, or with the number of sessions that are not finished and
+/// the first of their names.
 Result<int> merge_tables(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& out);
 
 // What a batch does with every session. Plain values; thread-safe.

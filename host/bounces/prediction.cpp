@@ -21,7 +21,8 @@ using published::Measured;
 constexpr double kUnpublishedRestitution = 0.75;
 constexpr double kMinTangentialDamping = 0.01;  ///< least c_t of the mechanics, but none
 
-/// k_t/k of elastic bodies without slip at small displacements, 2(1 - nu)/(2 - nu), at Poisson's ratio 1/2 of rubber.
+/// k_t/k of elastic bodies without slip at small displacements, 2(1 - nu)/(2 - nu), at Poisson's ratio 1/2 of
+/// rubber.
 constexpr double kIncompressibleStiffnessRatio = 2.0 / 3.0;
 
 ball::Ball ball_of(const Case& c, double alpha) {
@@ -59,7 +60,8 @@ impact::ContactCoefficients coefficients_of(const Case& c, Model model) {
   out.gravity_along_mps2 = weight.along_mps2;
   if (c.ball.build == Build::solid) {
     out.stiffness_ratio = kIncompressibleStiffnessRatio;
-    // c_t/k_t = c/k with c = 2·zeta·sqrt(k·m): c_t/sqrt(k_t·m) = 2·zeta·sqrt(k_t/k); none below what the mechanics take.
+    // c_t/k_t = c/k with c = 2·zeta·sqrt(k·m): c_t/sqrt(k_t·m) = 2·zeta·sqrt(k_t/k); none below what the
+    // mechanics take.
     const auto zeta = impact::damping_ratio_from_restitution(out.e);
     out.damping_ratio = 2.0 * zeta.value_or(0.0) * std::sqrt(out.stiffness_ratio);
     if (out.damping_ratio < kMinTangentialDamping) out.damping_ratio = 0.0;
@@ -127,8 +129,8 @@ std::vector<Measured*> numbers_of(Case& c, Model model, Measured& dwell) {
   return all;
 }
 
-/// Each number moved by one sd either way; half the difference is its share (a secant: the border between sliding and
-/// gripping is a kink).
+/// Each number moved by one sd either way; half the difference is its share (a secant: the border between
+/// sliding and gripping is a kink).
 tl::expected<Residual, impact::InputError> residual_of(Case c, Model model) {
   const auto middle = difference_of(c, model);
   if (!middle) return tl::unexpected(middle.error());

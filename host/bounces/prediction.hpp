@@ -1,6 +1,7 @@
-// A published bounce as the impact models predict it: nothing in them is fitted to it. The input is its motion at
-// touchdown, its own restitution (0.75 where that is not published) and a coefficient of friction that the data set
-// names. Residuals carry the uncertainty of all numbers that enter them. Pure; thread-safe; copies names.
+// A published bounce as the impact models predict it: nothing in them is fitted to it. The input is its
+// motion at touchdown, its own restitution (0.75 where that is not published) and a coefficient of friction
+// that the data set names. Residuals carry the uncertainty of all numbers that enter them. Pure; thread-safe;
+// copies names.
 #pragma once
 
 #include <array>
@@ -16,15 +17,19 @@
 namespace strobe::bounces {
 
 enum class Model {
-  /// Rigid body that slides or rolls off; a tennis ball as a thin shell (Brody), a solid one with its own alpha.
+  /// Rigid body that slides or rolls off; a tennis ball as a thin shell (Brody), a solid one with its own
+  /// alpha.
   rigid,
-  /// Closed form with tangential restitution and an offset normal force, fitted to the thesis's 21 conditions; alpha
+  /// Closed form with tangential restitution and an offset normal force, fitted to the thesis's 21
+  /// conditions; alpha
   /// of the ball.
   grip,
   /// The contact mechanics as fitted to the same conditions, alpha of that fit (of a solid ball: its own).
   mechanics,
-  /// The contact mechanics with what is known of this ball and this experiment: its alpha, the weight along an inclined
-  /// surface (in the friction that a bounce tells, too), the friction measured elsewhere. A solid ball: k_t/k = 2/3 (Mindlin, incompressible), dashpots of one
+  /// The contact mechanics with what is known of this ball and this experiment: its alpha, the weight along
+  /// an inclined
+  /// surface (in the friction that a bounce tells, too), the friction measured elsewhere. A solid ball: k_t/k
+  /// = 2/3 (Mindlin, incompressible), dashpots of one
   /// material (c_t/k_t = c/k), no offset.
   known,
 };
@@ -35,7 +40,8 @@ constexpr std::string_view name(Model model) {
   return names[static_cast<std::size_t>(model)];
 }
 
-/// Dwell time that the mechanics are computed with, and how well it is known. It matters for the weight alone.
+/// Dwell time that the mechanics are computed with, and how well it is known. It matters for the weight
+/// alone.
 inline constexpr double kDwell_s = 5e-3;
 inline constexpr double kDwellSd_s = 1e-3;
 
@@ -72,18 +78,20 @@ struct Prediction {
 /// Fails with the bounce's name and what the model refuses.
 Result<Prediction> predict(const Case& bounce, Model model);
 
-/// Acceleration of gravity along the surface in the direction of +x and into it; 0 where the incline is not published.
+/// Acceleration of gravity along the surface in the direction of +x and into it; 0 where the incline is not
+/// published.
 struct Weight {
   double along_mps2 = 0.0;
   double into_mps2 = 0.0;
 };
 Weight weight_of(const published::Bounce& bounce);
 
-// What a published bounce says of angular momentum about the contact point, whatever the friction was and whether the
-// ball gripped:
+// What a published bounce says of angular momentum about the contact point, whatever the friction was and
+// whether the ball gripped:
 //   alpha·R·(omega_LO - omega_TD) = (vx_LO - vx_TD) - g_x·dwell + d·J/R,
-// with g_x the weight's acceleration along the surface and d the normal force's offset ahead of the centre. Either alpha
-// follows, if there is no offset, or the offset, with the ball's alpha. Pure; thread-safe; copies names.
+// with g_x the weight's acceleration along the surface and d the normal force's offset ahead of the centre.
+// Either alpha follows, if there is no offset, or the offset, with the ball's alpha. Pure; thread-safe;
+// copies names.
 
 struct Balance {
   published::Measured alpha;       ///< without an offset
@@ -93,8 +101,8 @@ struct Balance {
   double e_x = 0.0;                ///< -slip_LO/slip_TD; negative where the ball slides to the end
 };
 
-/// With the weight along the surface taken off, or without. nullopt where vx at lift-off is not published, or where the
-/// spin did not change.
+/// With the weight along the surface taken off, or without. nullopt where vx at lift-off is not published, or
+/// where the spin did not change.
 std::optional<Balance> balance_of(const Case& bounce, bool with_weight);
 
 /// One alpha for all, weighted by the statistical sds; chi-square of its residuals.

@@ -1,4 +1,5 @@
-// Predictions and balances of published bounces, as text for people and JSON for scripts. Pure; thread-safe; allocates.
+// Predictions and balances of published bounces, as text for people and JSON for scripts. Pure; thread-safe;
+// allocates.
 #pragma once
 
 #include <array>
@@ -29,19 +30,20 @@ struct Agreement {
 };
 Agreement agreement_of(const std::vector<Row>& rows, Model model);
 
-/// The set's publication; measured and predicted vx and omega at lift-off, each with its residual's z; the models'
-/// agreement; the balance of angular momentum.
+/// The set's publication; measured and predicted vx and omega at lift-off, each with its residual's z; the
+/// models' agreement; the balance of angular momentum.
 std::string text(const published::Set& set, const std::vector<Row>& rows);
 
-/// One object without line breaks: set, row, ball, surface, incline_deg; mu, mu_from, mu_elsewhere; measured (vx_lo_mps,
-/// omega_lo_radps and their sds); predictions (by model: vx_lo_mps, vy_lo_mps, omega_lo_radps, mu, vx_is_given, residuals, sds);
-/// balance and balance_level (alpha, offset_mm, sds, slip_lo_mps, ex). What is not published is null.
+/// One object without line breaks: set, row, ball, surface, incline_deg; mu, mu_from, mu_elsewhere; measured
+/// (vx_lo_mps, omega_lo_radps and their sds); predictions (by model: vx_lo_mps, vy_lo_mps, omega_lo_radps,
+/// mu, vx_is_given, residuals, sds); balance and balance_level (alpha, offset_mm, sds, slip_lo_mps, ex). What
+/// is not published is null.
 std::string json(const published::Set& set, const Row& row);
 
 // Predicted against measured spin of published bounces. Pure; thread-safe; allocates.
 
-/// A panel for tennis balls, one for solid balls, where there are any; a series for each model, besides the line on which predicted is
-/// measured. Topspin counts positive.
+/// A panel for tennis balls, one for solid balls, where there are any; a series for each model, besides the
+/// line on which predicted is measured. Topspin counts positive.
 figures::Figure spin_figure(const std::vector<Row>& rows);
 
 }  // namespace strobe::bounces

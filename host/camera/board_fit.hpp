@@ -31,17 +31,18 @@ struct BoardFit {
   int outliers = 0;  ///< points left out as they were more than 5 sigma off
 };
 
-/// What is known of lenses before any board: the sds of k1, k2, p1, p2, each about 0. With them all four terms are
-/// fitted. One that the board does not reach far enough to tell stays near 0, and its sd says what the corners may be
-/// off; chosen by a criterion it would be taken for known, in or out.
+/// What is known of lenses before any board: the sds of k1, k2, p1, p2, each about 0. With them all four
+/// terms are fitted. One that the board does not reach far enough to tell stays near 0, and its sd says what
+/// the corners may be off; chosen by a criterion it would be taken for known, in or out.
 inline constexpr std::array<double, 4> kLensPriorSds{
-    0.1,   // 2.5 % of the radius at the corners, as ordinary photographic lenses have
-    0.16,  // 1 % there
-    0.001,  // 0.15 %: elements off centre, and the lens' own centre beside the photograph's by 0.4 % of the diagonal
+    0.1,    // 2.5 % of the radius at the corners, as ordinary photographic lenses have
+    0.16,   // 1 % there
+    0.001,  // 0.15 %: elements off centre, and the lens' own centre beside the photograph's by 0.4 % of the
+            // diagonal
     0.001};
 
-/// All terms with their priors. The lens' centre is taken to be the photograph's. Fails with a line if a view has less
-/// than 9 points or they are on one line.
+/// All terms with their priors. The lens' centre is taken to be the photograph's. Fails with a line if a view
+/// has less than 9 points or they are on one line.
 Result<BoardFit> fit_boards(std::span<const BoardView> views, int width_px, int height_px);
 
 /// The lens and a view's homography for a vector of parameters like BoardFit::parameters.

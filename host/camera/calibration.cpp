@@ -25,8 +25,8 @@ std::vector<int> indices(const BoardFit& fit) {
   return found;
 }
 
-/// Columns: one sd of independent combinations of the parameters. By way of correlations, since the parameters' sizes
-/// differ by many orders.
+/// Columns: one sd of independent combinations of the parameters. By way of correlations, since the
+/// parameters' sizes differ by many orders.
 cv::Mat square_root(const cv::Mat& covariance) {
   cv::Mat sd(covariance.rows, 1, CV_64F), correlation = covariance.clone();
   for (int i = 0; i < covariance.rows; ++i)
@@ -45,7 +45,8 @@ cv::Mat square_root(const cv::Mat& covariance) {
   return root;
 }
 
-/// undistorted image px to plane px, (2, 2) = 1, of the first view; `to_plane` is from board metres to plane px.
+/// undistorted image px to plane px, (2, 2) = 1, of the first view; `to_plane` is from board metres to plane
+/// px.
 cv::Matx33d rectification(const cv::Matx33d& homography, const digitize::LensDistortion& lens,
                           const cv::Matx33d& to_plane) {
   const double f = lens.focal_px;
@@ -119,8 +120,9 @@ MapError error_of(const Maps& maps, const cv::Mat& column) {
   return error;
 }
 
-/// The largest first; those that move no point of the photograph by 0.002 px, a tenth of a centre's noise at its best,
-/// are left out. Errors that turn or shift the plane as a whole are among them: surface and balls move alike.
+/// The largest first; those that move no point of the photograph by 0.002 px, a tenth of a centre's noise at
+/// its best, are left out. Errors that turn or shift the plane as a whole are among them: surface and balls
+/// move alike.
 std::vector<MapError> map_errors(const BoardFit& fit, const cv::Matx33d& to_plane, int width_px,
                                  int height_px) {
   constexpr double kSmallest_px = 0.002;
@@ -299,8 +301,8 @@ void remark(const CalibrationSettings& settings, Calibration& calibration) {
   }
 }
 
-/// Noise makes two photographs of the same board differ by root two of its sd. A copy would be counted as a measurement
-/// that it is not.
+/// Noise makes two photographs of the same board differ by root two of its sd. A copy would be counted as a
+/// measurement that it is not.
 bool same_photograph(const BoardView& a, const BoardView& b, double sigma_px) {
   if (a.image_px.size() != b.image_px.size()) return false;
   double sum = 0.0;

@@ -19,10 +19,11 @@
 
 namespace strobe::camera {
 
-// What the board's points leave open of the map from the photograph to the plane: the parameters' covariance as a few
-// independent errors of the whole map. Deterministic; thread-safe; allocates; no I/O.
+// What the board's points leave open of the map from the photograph to the plane: the parameters' covariance
+// as a few independent errors of the whole map. Deterministic; thread-safe; allocates; no I/O.
 
-/// How the map changes by one standard deviation of one error. Added to Calibration::rectify and the lens' terms.
+/// How the map changes by one standard deviation of one error. Added to Calibration::rectify and the lens'
+/// terms.
 struct MapError {
   cv::Matx33d rectify;                 ///< (2, 2) = 0
   std::array<double, 4> lens_terms{};  ///< k1, k2, p1, p2
@@ -35,8 +36,8 @@ struct CalibrationSettings {
   double off_plane_sd_m = 0.0;               ///< between the board's plane and the balls', >= 0
   std::optional<double> lens_distance_m;     ///< of the lens from that plane, by a tape, > 0
   std::optional<double> lens_distance_sd_m;  ///< default 1 %
-  /// Largest ScaleErrors::points that is good enough, as a share, above 0. What a careful board's print and place leave
-  /// is 0.1 %; a map twice as uncertain as that would spoil it.
+  /// Largest ScaleErrors::points that is good enough, as a share, above 0. What a careful board's print and
+  /// place leave is 0.1 %; a map twice as uncertain as that would spoil it.
   double tolerance_share = 0.002;
 };
 
@@ -70,8 +71,8 @@ struct Calibration {
   double largest_shift_px = 0.0;     ///< by the lens, at the photograph's corners
   std::vector<std::string> remarks;  ///< for a person: what may be doubted
   std::vector<MapError> map_errors;  ///< what the points leave open
-  /// Present if the points leave more open than the settings' tolerance: how much, and what to do. It should not be
-  /// used.
+  /// Present if the points leave more open than the settings' tolerance: how much, and what to do. It should
+  /// not be used.
   std::optional<std::string> too_poor;
 
   double px_per_m_sd() const { return px_per_m * scale_errors.total(); }

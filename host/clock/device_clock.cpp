@@ -47,7 +47,8 @@ double left_turn(const Point& a, const Point& b, const Point& c) {
          (b.offset_s - a.offset_s) * (c.sent_s - a.sent_s);
 }
 
-/// The edge of the lower convex hull over the points' mean. Points in the order of their sending, two at least.
+/// The edge of the lower convex hull over the points' mean. Points in the order of their sending, two at
+/// least.
 Line lower_envelope(const std::vector<Point>& points) {
   double mean_s = 0.0;
   std::vector<Point> hull;
@@ -114,8 +115,8 @@ double ClockRelation::lateness_s(const Heartbeat& heartbeat) const {
   return to_seconds(heartbeat.offset() - segment.origin) - offset_s(segment, heartbeat.sent);
 }
 
-/// Whether a heartbeat may be of this very clock, going on: a clock that was started anew begins below, any other
-/// machine's gives another offset.
+/// Whether a heartbeat may be of this very clock, going on: a clock that was started anew begins below, any
+/// other machine's gives another offset.
 bool ClockRelation::may_hold_for(const DeviceReading& device, HostTime heard) const {
   if (heartbeats_.empty() || device.mono <= heartbeats_.back().sent) return false;
   const Heartbeat heartbeat{device.mono, heard};

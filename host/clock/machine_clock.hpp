@@ -1,6 +1,6 @@
 // A machine's own clocks, and what they say of each other: whether its wall clock was set, whether it slept.
-// CLOCK_MONOTONIC is immune to the first and stands still in the second. MachineClock reads this machine's and is
-// thread-safe; the rest are plain values.
+// CLOCK_MONOTONIC is immune to the first and stands still in the second. MachineClock reads this machine's
+// and is thread-safe; the rest are plain values.
 #pragma once
 
 #include <optional>

@@ -126,7 +126,8 @@ class ProgressTeller {
 
 std::atomic<BatchRun*> running = nullptr;
 
-/// The first stops after the photographs under way; all that is finished is stored anyway, so the next may end it at once.
+/// The first stops after the photographs under way; all that is finished is stored anyway, so the next may
+/// end it at once.
 void on_signal(int number) {
   if (BatchRun* run = running) run->stop();
   std::signal(number, SIG_DFL);

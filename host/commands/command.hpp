@@ -37,8 +37,8 @@ void add_batch_command(CLI::App& app, int& exit_status);
 void add_export_command(CLI::App& app, int& exit_status);
 void add_key_command(CLI::App& app, int& exit_status);
 
-/// Who runs this program, for others who use the same rig and for the session's record: "login@machine", at most 64 bytes,
-/// without blanks and control characters. Reads the system's tables; not thread-safe.
+/// Who runs this program, for others who use the same rig and for the session's record: "login@machine", at
+/// most 64 bytes, without blanks and control characters. Reads the system's tables; not thread-safe.
 std::string operator_name();
 
 /// As the program was started; none where the system does not tell.

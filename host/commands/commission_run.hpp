@@ -1,5 +1,5 @@
-// Commissions a rig at a terminal: from LCM to the console, the page, the record and the session folder; and what a session
-// keeps of a rig's record. Reads and writes files; single-threaded.
+// Commissions a rig at a terminal: from LCM to the console, the page, the record and the session folder; and
+// what a session keeps of a rig's record. Reads and writes files; single-threaded.
 #pragma once
 
 #include <filesystem>
@@ -34,9 +34,9 @@ struct CommissionRequest {
 /// Blocks until all steps are over or it is interrupted. Returns the exit status.
 int run_commission(const CommissionRequest& request);
 
-/// Copies the rig file's record, if there is one, into the session's folder. rig_path: empty for the shipped example, which is
-/// nobody's rig. Returns a sentence for the operator if the rig is not commissioned, or not well; else empty. Fails with the
-/// file's name.
+/// Copies the rig file's record, if there is one, into the session's folder. rig_path: empty for the shipped
+/// example, which is nobody's rig. Returns a sentence for the operator if the rig is not commissioned, or not
+/// well; else empty. Fails with the file's name.
 Result<std::string> keep_commission_record(const std::filesystem::path& rig_path, const RigFile& rig,
                                            const std::filesystem::path& session, WallTime now);
 

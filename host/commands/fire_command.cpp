@@ -10,9 +10,9 @@
 
 #include "common/authentication/key_file.hpp"
 #include "common/command_line/command_line.hpp"
-#include "common/data/thesis_data.hpp"
 #include "common/config/default_rig.hpp"
 #include "common/config/files.hpp"
+#include "common/data/thesis_data.hpp"
 #include "common/messages/record.hpp"
 #include "host/assembly/coded_spacing.hpp"
 #include "host/clock/machine_clock.hpp"
@@ -71,8 +71,8 @@ void set_labels(const RunRecord& last, FireOptions& options) {
   }
 }
 
-/// The options with which the session's last run is gone on with: what it was asked for, and from the given ones how. Reads
-/// the session's folder. Fails where there is no such run.
+/// The options with which the session's last run is gone on with: what it was asked for, and from the given
+/// ones how. Reads the session's folder. Fails where there is no such run.
 Result<FireOptions> resumed(const FireOptions& given) {
   if (given.session.empty()) return fail("--resume: which session? Name its folder with --session");
   const fs::path folder = given.session;

@@ -151,8 +151,8 @@ void add_weight(const Arguments& a, FitData& data) {
   for (impact::Observation& o : data.observations) o.gravity_mps2 = a.gravity_mps2;
 }
 
-/// By the sds where every shot has them. Those of the thesis's conditions are the machine's spread, which touchdown and
-/// lift-off share: no errors of the comparison.
+/// By the sds where every shot has them. Those of the thesis's conditions are the machine's spread, which
+/// touchdown and lift-off share: no errors of the comparison.
 void weigh_by_sd_where_stated(const Arguments& a, const FitData& data, impact::FitOptions& options) {
   if (a.weights != "auto" || a.files.empty()) return;
   const bool stated =
@@ -162,7 +162,8 @@ void weigh_by_sd_where_stated(const Arguments& a, const FitData& data, impact::F
   if (stated) options.weighting = impact::Weighting::stated_sd;
 }
 
-/// A shot whose numbers no impact can have, as e above 1 by its noise, is told and left out: the others can be fitted.
+/// A shot whose numbers no impact can have, as e above 1 by its noise, is told and left out: the others can
+/// be fitted.
 void leave_impossible_out(const impact::FitOptions& options, FitData& data) {
   std::erase_if(data.observations, [&](const impact::Observation& o) {
     const auto failure = impact::find_observation_failure(o, 0, options);

@@ -22,12 +22,14 @@ struct FitReport {
   impact::CrossValidationGroup grouped_by = impact::CrossValidationGroup::spin;
 };
 
-/// A parameter's value in the unit of the command line, and back: d in mm, dwell in ms, the others in SI units.
+/// A parameter's value in the unit of the command line, and back: d in mm, dwell in ms, the others in SI
+/// units.
 double to_display_unit(impact::Parameter parameter, double value);
 double from_display_unit(impact::Parameter parameter, double value);
 const char* display_unit(impact::Parameter parameter);  ///< " mm", " m/s", " ms" or ""
 
-/// What the data do not tell, a line each: parameters as uncertain as before, pairs of which only a combination is known.
+/// What the data do not tell, a line each: parameters as uncertain as before, pairs of which only a
+/// combination is known.
 std::vector<std::string> left_open(const impact::ModelFit& fit);
 
 /// Lines of type "fit", then "observation" for each, then "left_out" for each group and "validation".

@@ -237,7 +237,8 @@ double relative_sd(const impact::ModelFit& fit, std::size_t i) {
   return fit.posterior->coordinate_sds[i] * impact::slope_at(impact::ReboundModel::ode, p, at) / value;
 }
 
-/// The power product that the two tell best, with the relative sd: of the logarithms the least uncertain combination.
+/// The power product that the two tell best, with the relative sd: of the logarithms the least uncertain
+/// combination.
 std::string about_pair(const impact::ModelFit& fit, std::size_t i, std::size_t j, double correlation) {
   const double sa = relative_sd(fit, i), sb = relative_sd(fit, j);
   const double power = -correlation * sa / sb;

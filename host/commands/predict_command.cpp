@@ -47,7 +47,8 @@ struct Prediction {
   std::optional<impact::ContactTrajectory> contact = std::nullopt;
 };
 
-/// Of a model where it is not given: the thesis's thin shell for rigid and pulse, fitted values for grip and ode.
+/// Of a model where it is not given: the thesis's thin shell for rigid and pulse, fitted values for grip and
+/// ode.
 double default_alpha(std::string_view model) {
   if (model == "grip") return ball::kMeasuredAlpha;
   return model == "ode" ? impact::kContactAlpha : ball::kThinShellAlpha;

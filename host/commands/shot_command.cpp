@@ -54,7 +54,8 @@ std::string cell(const reduction::Readout& readout, Quantity quantity) {
          (sd ? left(fmt::format(" ± {:#.2g}", *sd), 11) : "");
 }
 
-/// Keys in fixed order, what is absent null. before: before a change; null: there was none, and the key is left out.
+/// Keys in fixed order, what is absent null. before: before a change; null: there was none, and the key is
+/// left out.
 std::string measurement_json(const StoredSession& session, const Shot& shot, const Shot* before) {
   ordered_json json;
   json["shot"] = shot.name;

@@ -1,5 +1,5 @@
-// What the screen said of each shot, kept as text in the session's folder: results, refusals and notes in their order,
-// each with its time. Single-threaded.
+// What the screen said of each shot, kept as text in the session's folder: results, refusals and notes in
+// their order, each with its time. Single-threaded.
 #pragma once
 
 #include <functional>

@@ -36,8 +36,8 @@ std::int64_t random_host_id();
 
 /// From now on SIGINT, SIGTERM, SIGHUP and SIGQUIT only count in ends_asked_for().
 void catch_signals();
-/// How urgently a person, or the system, has asked for the end: once for each SIGINT, SIGTERM and SIGHUP, twice for
-/// SIGQUIT.
+/// How urgently a person, or the system, has asked for the end: once for each SIGINT, SIGTERM and SIGHUP,
+/// twice for SIGQUIT.
 int ends_asked_for();
 inline bool interrupted() { return ends_asked_for() > 0; }
 
@@ -51,8 +51,8 @@ class Terminal final : public HostListener {
   /// max_shots: results beyond are not printed; 0: no limit.
   explicit Terminal(Style style, std::string title = "", int max_shots = 0);
 
-  /// From now on only results of these hosts' shots are shown: others', or those of a log that is played back, are
-  /// none of the series.
+  /// From now on only results of these hosts' shots are shown: others', or those of a log that is played
+  /// back, are none of the series.
   void show_only(std::function<bool(std::int64_t host_id)> shown) { shown_ = std::move(shown); }
   /// Takes the screen, if that is the style; where there is none that can be painted on, lines are printed.
   void open();

@@ -1,5 +1,5 @@
-// The page that a command serves while it runs: its options, and all that is behind it. The object belongs to one thread;
-// the page has threads of its own.
+// The page that a command serves while it runs: its options, and all that is behind it. The object belongs to
+// one thread; the page has threads of its own.
 #pragma once
 
 #include <functional>
@@ -60,7 +60,8 @@ class WebPage {
   std::string address_remark() const;
 
   // For the loop's thread.
-  /// The page is told what happens on this loop, which it must outlive. shown: whether a host's shots are; empty: all are.
+  /// The page is told what happens on this loop, which it must outlive. shown: whether a host's shots are;
+  /// empty: all are.
   void attach(HostLoop& loop, Clock& clock, std::function<bool(std::int64_t host_id)> shown = {});
   /// What viewers ask for; wakes the loop.
   std::vector<web::LiveCommand> take_commands();

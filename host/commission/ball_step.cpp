@@ -17,8 +17,8 @@
 namespace strobe::commission {
 namespace {
 
-/// Of a sound rig a mean is beyond its margin, and an sd below its bound, once in 10,000 times: as a probability, and as
-/// the normal deviate that is exceeded so often.
+/// Of a sound rig a mean is beyond its margin, and an sd below its bound, once in 10,000 times: as a
+/// probability, and as the normal deviate that is exceeded so often.
 constexpr double kMeanProbability = 0.9999, kOnceInTenThousand = 3.72;
 
 int counted(std::span<const BallShot> shots) {
@@ -242,7 +242,8 @@ StepResult judge_flashes(std::span<const BallShot> shots) {
                     {"matched", static_cast<double>(found), {}, static_cast<double>(shots.size()), 0},
                     {"images", static_cast<double>(images), {}, {}, 0},
                     {"flashes", static_cast<double>(flashes), {}, {}, 0}};
-  // A digitizer misses an image in a thousand; a ball in contact may be hidden by others. Half of the shots is far from both.
+  // A digitizer misses an image in a thousand; a ball in contact may be hidden by others. Half of the shots
+  // is far from both.
   if (2 * found <= static_cast<int>(shots.size()))
     mark_failed(result, "flashes_unmatched",
                 first_rejection(shots).empty() ? "look at a photograph: are all images of one ball?"
@@ -271,9 +272,9 @@ StepResult judge_noise(std::span<const BallShot> shots) {
     return failed("no_residuals", "too few balls were measured to tell their noise",
                   "let step throws and flashes pass first");
   const double ratio = std::sqrt(chi_squared / freedom);
-  // A root of chi squared over nu scatters by 1/sqrt(2 nu): for 200 degrees of freedom by 5 %. Stated sds are themselves
-  // good to a third (host/digitize/README.md). The equators are not judged: a line that is drawn a degree off the equator lies
-  // further off than any noise, alike in all images of a leg.
+  // A root of chi squared over nu scatters by 1/sqrt(2 nu): for 200 degrees of freedom by 5 %. Stated sds are
+  // themselves good to a third (host/digitize/README.md). The equators are not judged: a line that is drawn a
+  // degree off the equator lies further off than any noise, alike in all images of a leg.
   const double limit = 1.35 + kCertain_sd / std::sqrt(2.0 * freedom);
   StepResult result = passed(ratio, 1.0 / std::sqrt(2.0 * freedom), "", fmt::format("at most {:.2f}", limit));
   result.words = fmt::format(
@@ -301,7 +302,8 @@ StepResult judge_repeatability(std::span<const BallShot> shots, std::optional<do
     return failed("too_few_balls",
                   fmt::format("of {} balls only {} were measured", shots.size(), counted(shots)),
                   "let step throws and flashes pass first");
-  // A tenth of the view, so that the bounce stays in it; 10 ms of lag move the ball by less than the train's margins.
+  // A tenth of the view, so that the bounce stays in it; 10 ms of lag move the ball by less than the train's
+  // margins.
   constexpr double kLag_ms = 10.0, kLagSd_ms = 15.0, kSpeedSd = 0.05;
   const double spot_limit_mm = 1e3 * 0.1 * view_width_m;
   const double stated_ms = 1e3 * stated_lag_s.value_or(1e-3 * lag.mean());

@@ -1,5 +1,6 @@
-// What thrown balls say of flashes, noise and machine. Each limit is wide enough that a good rig exceeds it less than once in
-// 10,000 runs (4 sd of a normal, or as said), and no narrower than what matters. Pure; allocates; thread-safe.
+// What thrown balls say of flashes, noise and machine. Each limit is wide enough that a good rig exceeds it
+// less than once in 10,000 runs (4 sd of a normal, or as said), and no narrower than what matters. Pure;
+// allocates; thread-safe.
 #pragma once
 
 #include <optional>
@@ -26,7 +27,8 @@ struct BallShot {
 StepResult judge_throws(std::span<const BallShot> shots, bool gate_fitted);
 /// Whether the code of the flashes was found on each photograph.
 StepResult judge_flashes(std::span<const BallShot> shots);
-/// Whether centres are as far off their flights as they state: chi squared of all shots over its degrees of freedom.
+/// Whether centres are as far off their flights as they state: chi squared of all shots over its degrees of
+/// freedom.
 StepResult judge_noise(std::span<const BallShot> shots);
 /// Mean lag against the rig file's, and the spread of lag, spot and speed.
 StepResult judge_repeatability(std::span<const BallShot> shots, std::optional<double> lag_s,

@@ -1,5 +1,6 @@
-// The rig file's calibration against photographs of a printed board: what its map makes of the board's spacing, how much of
-// the view the boards cover, and how well one lens fits them all. Deterministic; no I/O; thread-safe; allocates.
+// The rig file's calibration against photographs of a printed board: what its map makes of the board's
+// spacing, how much of the view the boards cover, and how well one lens fits them all. Deterministic; no I/O;
+// thread-safe; allocates.
 #pragma once
 
 #include <span>
@@ -19,14 +20,15 @@ struct BoardCheck {
   int views = 0;
   double covered = 0.0;      ///< see covered_share()
   double residual_px = 0.0;  ///< of one coordinate of a point, about the board's own fit
-  /// Of the rig file's scale, by the board in the plane where balls fly: 0.01 where it has 1 % too many px a metre, and
-  /// its change over the photograph's width and height.
+  /// Of the rig file's scale, by the board in the plane where balls fly: 0.01 where it has 1 % too many px a
+  /// metre, and its change over the photograph's width and height.
   double scale_off = 0.0, scale_sd = 0.0;
   double across = 0.0, across_sd = 0.0;
   double upwards = 0.0, upwards_sd = 0.0;
 };
 
-/// The first view is that of the plane. map and px_per_m: the rig file's. Fails with one line if the boards fit no camera.
+/// The first view is that of the plane. map and px_per_m: the rig file's. Fails with one line if the boards
+/// fit no camera.
 Result<BoardCheck> check_board(std::span<const camera::BoardView> views, int width_px, int height_px,
                                const digitize::PlaneMap& map, double px_per_m);
 

@@ -1,6 +1,7 @@
-// Commissioning: takes a rig through its steps, one at a time, on a host loop. Fires what a step asks for, with a person's
-// consent to each step; hands on what a person does and answers; leaves out what an earlier record has proven. step() is to
-// be called after each turn of the loop. No I/O of its own; single-threaded; never waits.
+// Commissioning: takes a rig through its steps, one at a time, on a host loop. Fires what a step asks for,
+// with a person's consent to each step; hands on what a person does and answers; leaves out what an earlier
+// record has proven. step() is to be called after each turn of the loop. No I/O of its own; single-threaded;
+// never waits.
 #pragma once
 
 #include <map>
@@ -49,7 +50,8 @@ struct Prompt {
   bool moves = false;  ///< a yes makes outputs move
 };
 enum class Answer { yes, no, skip, end };
-/// Of a line typed at the console, without its end: y, n, s or q, and an empty one where nothing moves. Absent: no answer.
+/// Of a line typed at the console, without its end: y, n, s or q, and an empty one where nothing moves.
+/// Absent: no answer.
 std::optional<Answer> answer_of(const Prompt& prompt, std::string_view line);
 
 /// Who hears what becomes of it. The default is to ignore it.
@@ -64,15 +66,16 @@ class CommissioningListener {
 
 class Commissioning final : public host::HostListener {
  public:
-  /// Adds itself to the loop's listeners; the loop must be the longer-lived and have a key. former: what is recorded.
+  /// Adds itself to the loop's listeners; the loop must be the longer-lived and have a key. former: what is
+  /// recorded.
   Commissioning(host::HostLoop& loop, CommissioningSettings settings,
                 std::vector<std::unique_ptr<Step>> steps, const Record& former);
 
   void add_listener(CommissioningListener& listener) { listeners_.push_back(&listener); }
 
   void step();
-  /// Ends: a shot under way is aborted, the rig disarmed until that is confirmed, for ten seconds at most. What is recorded
-  /// stays. by: who asks, for a person.
+  /// Ends: a shot under way is aborted, the rig disarmed until that is confirmed, for ten seconds at most.
+  /// What is recorded stays. by: who asks, for a person.
   void stop(const std::string& by);
   bool finished() const { return phase_ == Phase::finished; }
   bool stopped() const { return stopped_; }

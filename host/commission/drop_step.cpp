@@ -28,7 +28,8 @@ constexpr int kMinOfLeg = 3;
 constexpr double kOutlier_sd = 5.0;
 constexpr int kIterations = 8;
 constexpr double kDragShareSd = flight::kDragCoefficientSd / flight::kDragCoefficient;
-/// Centres that state less are not better known: texture and light move a centre by some hundredths of a pixel.
+/// Centres that state less are not better known: texture and light move a centre by some hundredths of a
+/// pixel.
 constexpr double kMinCentreSd_px = 0.02;
 
 struct Point {
@@ -219,7 +220,8 @@ constexpr double kInclination_deg = 0.5;
 
 /// Of a ball that falls with 3 to 4 m/s: images 30 to 50 mm apart, half overlapping.
 constexpr Duration kPeriod = std::chrono::milliseconds{12};
-/// From the first flash: a person lets go as the flashes begin, the ball falls for half a second and leaves the view again.
+/// From the first flash: a person lets go as the flashes begin, the ball falls for half a second and leaves
+/// the view again.
 constexpr Duration kExposure = std::chrono::milliseconds{1300};
 constexpr int kDrops = 5;
 

@@ -22,7 +22,8 @@ constexpr double kMinShare = 0.001;
 /// Of a short train's light over the other one's: less is not chance, and whether light adds up is left open.
 constexpr double kWhole = 0.85;
 
-/// Over the pixels that are lit in the photograph of both lamps and saturated in none; nothing where there are none.
+/// Over the pixels that are lit in the photograph of both lamps and saturated in none; nothing where there
+/// are none.
 struct Means {
   double share = 0.0;             ///< of those pixels
   std::array<double, 5> light{};  ///< in the order of LampPhotographs

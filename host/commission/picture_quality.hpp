@@ -1,5 +1,5 @@
-// How well a photograph of balls is taken: focus, exposure, and whether its numbers are proportional to light.
-// Deterministic; no I/O; thread-safe; allocates.
+// How well a photograph of balls is taken: focus, exposure, and whether its numbers are proportional to
+// light. Deterministic; no I/O; thread-safe; allocates.
 #pragma once
 
 #include <optional>
@@ -24,8 +24,8 @@ struct PictureQuality {
 PictureQuality picture_quality(const digitize::Photograph& photograph, const digitize::PlaneMap& map,
                                const digitize::Digitization& found);
 
-/// A centre's sd grows as the root of the blur: at 1.8 px it is half as large again as with a good lens' 0.8. Sharp balls
-/// of 1,000 photographs stay below 1.3 px.
+/// A centre's sd grows as the root of the blur: at 1.8 px it is half as large again as with a good lens' 0.8.
+/// Sharp balls of 1,000 photographs stay below 1.3 px.
 inline constexpr double kMaxBlur_px = 1.8;
 /// Of the pixels of balls; where light of images adds up, some saturate in a well exposed photograph.
 inline constexpr double kMaxSaturatedShare = 0.02;

@@ -1,6 +1,6 @@
-// The ball's own size on the photograph against the calibrated scale and the ball as measured, and how it changes over the
-// photograph: a wrong scale or ball shows as a ratio, a camera that is not square to the plane as a slope.
-// Deterministic; no I/O; thread-safe; allocates.
+// The ball's own size on the photograph against the calibrated scale and the ball as measured, and how it
+// changes over the photograph: a wrong scale or ball shows as a ratio, a camera that is not square to the
+// plane as a slope. Deterministic; no I/O; thread-safe; allocates.
 #pragma once
 
 #include <span>
@@ -20,12 +20,13 @@ struct ScaleCheck {
   int images = 0, shots = 0;
 };
 
-/// Images in the air, of frames in plane px of a photograph of that size. Fails with one line where fewer than 8 images
-/// are there.
+/// Images in the air, of frames in plane px of a photograph of that size. Fails with one line where fewer
+/// than 8 images are there.
 Result<ScaleCheck> check_scale(std::span<const reduction::Frame> frames, double px_per_m,
                                double ball_diameter_m, double width_px, double height_px);
 
-/// The ball's size against scale and diameter; diameter_share_sd and scale_share_sd as the rig file states them.
+/// The ball's size against scale and diameter; diameter_share_sd and scale_share_sd as the rig file states
+/// them.
 StepResult judge_scale(const ScaleCheck& check, double diameter_share_sd, double scale_share_sd);
 /// Change of the ball's size over the photograph.
 StepResult judge_squareness(const ScaleCheck& check);

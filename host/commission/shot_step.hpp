@@ -1,6 +1,7 @@
-// A step that fires shots, the same for all such steps: collects those that are sound, asks again for those that were not,
-// waits for their photographs and measures them where that is asked for, then judges. Single-threaded; photographs are
-// measured on threads of their own, one at a time, for which the destructor waits.
+// A step that fires shots, the same for all such steps: collects those that are sound, asks again for those
+// that were not, waits for their photographs and measures them where that is asked for, then judges.
+// Single-threaded; photographs are measured on threads of their own, one at a time, for which the destructor
+// waits.
 #pragma once
 
 #include <future>
@@ -13,10 +14,12 @@
 
 namespace strobe::commission {
 
-/// Why nothing can be said of the rig by this shot, of a machine that was too late or that lost edges; empty: it is sound.
+/// Why nothing can be said of the rig by this shot, of a machine that was too late or that lost edges; empty:
+/// it is sound.
 std::string why_unsound(const FiredShot& shot);
 
-/// Flashes of these lamps at the rig's own pace; fewer where the rig's limits allow no more. The machine stays still.
+/// Flashes of these lamps at the rig's own pace; fewer where the rig's limits allow no more. The machine
+/// stays still.
 ShotPlan dry_train(const host::RigFile& rig, Lamps lamps, int flashes);
 
 /// Of steps whose shot could not be fired; why, for a person.

@@ -1,5 +1,5 @@
-// What several steps judge by: repeated measurements of one quantity, how far chance moves them, and least squares of few
-// unknowns. Plain values; pure; thread-safe; solve_normal() allocates.
+// What several steps judge by: repeated measurements of one quantity, how far chance moves them, and least
+// squares of few unknowns. Plain values; pure; thread-safe; solve_normal() allocates.
 #pragma once
 
 #include <Eigen/Dense>
@@ -15,7 +15,8 @@ inline constexpr double kCertain_sd = 4.0;
 /// Of the scale over the whole width or height: speeds of either leg are then off by a quarter of it.
 inline constexpr double kMaxSlope = 0.006;
 
-/// Of repeated measurements: mean and scatter. Uncertainties are 0 where fewer than two values leave them unknown.
+/// Of repeated measurements: mean and scatter. Uncertainties are 0 where fewer than two values leave them
+/// unknown.
 class Sample {
  public:
   void add(double value) { values_.add(value); }
@@ -27,7 +28,8 @@ class Sample {
   double mean_margin(double probability) const {
     return count() > 1 ? statistics::student_t_half_width(probability, count() - 1.0) * mean_sd() : 0.0;
   }
-  /// The true sd is smaller only as often as a normal deviate exceeds z (normal approximation of the logarithm).
+  /// The true sd is smaller only as often as a normal deviate exceeds z (normal approximation of the
+  /// logarithm).
   double sd_lower_bound(double z) const {
     return count() > 1 ? sd() * std::exp(-z / std::sqrt(2.0 * (count() - 1.0))) : 0.0;
   }
@@ -36,7 +38,8 @@ class Sample {
   reduction::RunningStatistics values_;
 };
 
-/// The unknowns from the normal equations' matrix and right side. No template: one decomposition is compiled for all sizes.
+/// The unknowns from the normal equations' matrix and right side. No template: one decomposition is compiled
+/// for all sizes.
 inline Eigen::VectorXd solve_normal(const Eigen::MatrixXd& information, const Eigen::VectorXd& right) {
   return information.ldlt().solve(right);
 }

@@ -1,6 +1,6 @@
-// A step of commissioning: what it is about, and a state machine that asks for what it needs (a shot, a person's answer)
-// until it has its results. Driven by Commissioning on the host loop's thread; knows no clock, link or console of its own,
-// so that it runs on virtual time as well. Single-threaded; never waits.
+// A step of commissioning: what it is about, and a state machine that asks for what it needs (a shot, a
+// person's answer) until it has its results. Driven by Commissioning on the host loop's thread; knows no
+// clock, link or console of its own, so that it runs on virtual time as well. Single-threaded; never waits.
 #pragma once
 
 #include <filesystem>
@@ -90,12 +90,14 @@ class Step {
   virtual ~Step() = default;
   const std::vector<StepInfo>& infos() const { return infos_; }
   const Needs& needs() const { return needs_; }
-  /// What will happen, what moves and what to do first: a sentence or more, for a person, before anything happens.
+  /// What will happen, what moves and what to do first: a sentence or more, for a person, before anything
+  /// happens.
   virtual std::string briefing(const host::RigFile& rig) const = 0;
 
   /// Begins, also anew. The rig file stays as it is until the step is over.
   virtual void begin(const Situation& situation) = 0;
-  /// What the step wants now. Fire and Ask are answered once each, by on_shot() or on_answer(), before this is called again.
+  /// What the step wants now. Fire and Ask are answered once each, by on_shot() or on_answer(), before this
+  /// is called again.
   virtual Request step(const Situation& situation) = 0;
 
   virtual void on_event(const strobe_msgs::event_t& /*event*/, HostTime /*now*/) {}

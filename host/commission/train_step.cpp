@@ -46,7 +46,8 @@ double delay_us(const flash_t& flash, std::int64_t flash_t::*by) {
   return to_microseconds(from_ns(flash.*by) - from_ns(flash.issue_end_ns));
 }
 
-/// The line changed some time in the call that set it: the delay lies between those from its end and from its begin.
+/// The line changed some time in the call that set it: the delay lies between those from its end and from its
+/// begin.
 struct Delay {
   double call_us = 0.0, from_end_us = 0.0;
 };
@@ -236,8 +237,8 @@ std::optional<StepResult> lag_fault(const char* what, const Sample& lag_ms, doub
           lag_ms.mean()));
 }
 
-/// The mean of a hundred delays with 1 us of jitter is known to 0.1 us; a flash missed in one of 33 is missed in a
-/// hundred with 95 % probability.
+/// The mean of a hundred delays with 1 us of jitter is known to 0.1 us; a flash missed in one of 33 is missed
+/// in a hundred with 95 % probability.
 constexpr int kLampFlashes = 100;
 constexpr int kShutterTrains = 5;
 constexpr int kShutterFlashes = 50;  // so that the exposure outlasts any lag

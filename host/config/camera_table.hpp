@@ -43,7 +43,8 @@ struct CameraTable {
   /// Of the board's print and place, and of its points where there are no map_errors; 0 to 1e6
   std::optional<double> px_per_m_sd;
   std::optional<CameraMap> map;  ///< present if `rectify` is; absent: the photograph is taken as it is
-  /// What the board's points leave open. Key map_errors: 13 numbers each, of rectify and lens_distortion; at most 64.
+  /// What the board's points leave open. Key map_errors: 13 numbers each, of rectify and lens_distortion; at
+  /// most 64.
   std::vector<CameraMapError> map_errors;
   /// Where the lens is: plane px of the foot of its perpendicular on the plane, and its distance. Key
   /// viewpoint_px = [x, y, distance]; absent: so far away that balls show as circles.
@@ -76,8 +77,8 @@ std::optional<std::int64_t> days_since(const std::string& date, WallTime now);
 /// The day of `now` as "2026-11-21", UTC.
 std::string date_of(WallTime now);
 
-/// One line if the calibration is older than max_age_days or without a date. Returns nullopt if it is neither, or if
-/// the scale has no sd: that is a first guess, refined on each photograph.
+/// One line if the calibration is older than max_age_days or without a date. Returns nullopt if it is
+/// neither, or if the scale has no sd: that is a first guess, refined on each photograph.
 std::optional<std::string> calibration_warning(const CameraTable& camera, WallTime now);
 
 }  // namespace strobe::host

@@ -1,7 +1,7 @@
-// The record of a session: notes "key = value" from the rig file's [record], the command line and the firmware. And what a
-// laboratory states of itself and of a job, for a report: the rig file's [laboratory] and [report], which strobed and the
-// analysis do not use. Text on one line each. Constants and pure functions; thread-safe.
-// Source of the statements: ISO/IEC 17025:2017, 7.8.2 and 7.8.3.
+// The record of a session: notes "key = value" from the rig file's [record], the command line and the
+// firmware. And what a laboratory states of itself and of a job, for a report: the rig file's [laboratory]
+// and [report], which strobed and the analysis do not use. Text on one line each. Constants and pure
+// functions; thread-safe. Source of the statements: ISO/IEC 17025:2017, 7.8.2 and 7.8.3.
 #pragma once
 
 #include <array>
@@ -76,8 +76,8 @@ inline constexpr std::array<StatementKey, 20> kStatementKeys{{
 /// By StatementKey::id; what is not stated is absent.
 using Statements = std::map<std::string, std::string>;
 
-/// What is wrong with a statement, or nothing: text of at most 1024 bytes on one line; `received` and `issued` are days as
-/// 2026-11-21.
+/// What is wrong with a statement, or nothing: text of at most 1024 bytes on one line; `received` and
+/// `issued` are days as 2026-11-21.
 std::optional<std::string> statement_problem(const StatementKey& key, const std::string& text);
 
 /// Reads both tables; what is wrong is reported to the document's reader. Empty texts state nothing.

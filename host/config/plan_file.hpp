@@ -18,11 +18,12 @@ enum class Spacing { even, coded };
 
 /// What a plan file says, to the nanosecond: a shot with an even train, and how that train is coded.
 struct PlanFile {
-  /// Period 100 us to 1 s, exposure 1 ms to 1 min, gate delay up to 10 s, gated flashes 1 to 100,000; no code.
+  /// Period 100 us to 1 s, exposure 1 ms to 1 min, gate delay up to 10 s, gated flashes 1 to 100,000; no
+  /// code.
   ShotPlan even{.period = milliseconds{3}, .exposure = milliseconds{500}};
   Spacing spacing = Spacing::coded;  ///< even where a period alone, or a code, was given
-  /// Intervals between one flash and the next, repeated over the train; as long as a period may be. Empty: all
-  /// are the period.
+  /// Intervals between one flash and the next, repeated over the train; as long as a period may be. Empty:
+  /// all are the period.
   std::vector<Duration> intervals;
   // Numbers of flashes within the train, from 0, counted before any is left out; ascending, each at most
   // once.

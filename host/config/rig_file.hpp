@@ -1,7 +1,6 @@
 // The host's part of the rig file: rig, lcm_url, [commands], [ball], [analysis], [camera], [record],
-// [laboratory], [report], [commission], [plan], the movers' lags, and what limits a plan. The rest is strobed's and
-// accepted unread.
-// Values; thread-safe.
+// [laboratory], [report], [commission], [plan], the movers' lags, and what limits a plan. The rest is
+// strobed's and accepted unread. Values; thread-safe.
 #pragma once
 
 #include <optional>
@@ -19,10 +18,11 @@
 
 namespace strobe::host {
 
-/// [commission]: what `strobe commission` holds a rig against, and how long its record is good. Each field is a key of that
-/// name.
+/// [commission]: what `strobe commission` holds a rig against, and how long its record is good. Each field is
+/// a key of that name.
 struct CommissionTable {
-  /// Where the record is kept, beside the rig file unless it begins with /; absent: RIG.commission.jsonl for RIG.toml.
+  /// Where the record is kept, beside the rig file unless it begins with /; absent: RIG.commission.jsonl for
+  /// RIG.toml.
   std::optional<std::string> record;
   double max_age_days = 90.0;  ///< 0.01 to 100,000; reports and `strobe fire` tell of an older record
 
@@ -33,7 +33,8 @@ struct CommissionTable {
 
   double brightness_ratio = 1.5;  ///< 1.01 to 100; of the brighter lamp on the picture to the dimmer one
   int balls = 9;                  ///< 2 to 1000; thrown for gravity, noise and repeatability
-  /// Where photographs of a printed chessboard are put, beside the rig file unless it begins with /; absent: nowhere.
+  /// Where photographs of a printed chessboard are put, beside the rig file unless it begins with /; absent:
+  /// nowhere.
   std::optional<std::string> board_folder;
   int board_columns = 9;          ///< 3 to 100; inner corners
   int board_rows = 6;             ///< 3 to 100
@@ -56,8 +57,8 @@ struct AnalysisSettings {
   std::optional<double> px_per_m_sd;
   std::optional<double> gate_distance_m;  ///< light gate to the point of touchdown, along the ball's path
   double gate_distance_sd_m = 0.05;
-  /// 0.01 to 100 us, key flash_time_sd_us; of a flash's time as its sensors give it. Absent: each shot's own, see
-  /// host/assembly/flash_times.hpp.
+  /// 0.01 to 100 us, key flash_time_sd_us; of a flash's time as its sensors give it. Absent: each shot's own,
+  /// see host/assembly/flash_times.hpp.
   std::optional<double> flash_time_sd_s;
   /// 0.01 to 1000 ms, key machine_lag_sd_ms; of the machine's lag from shot to shot. Absent: not known.
   std::optional<double> machine_lag_sd_s;

@@ -1,6 +1,7 @@
-// Manual corrections of a digitized photograph: images added, moved and removed, the surface's line given. Images
-// measured by hand are marked (BallImage::source "hand"), and so is the line (Digitization::surface_by_hand); all others
-// stay as they were measured. Deterministic; no I/O; thread-safe; allocates.
+// Manual corrections of a digitized photograph: images added, moved and removed, the surface's line given.
+// Images measured by hand are marked (BallImage::source "hand"), and so is the line
+// (Digitization::surface_by_hand); all others stay as they were measured. Deterministic; no I/O; thread-safe;
+// allocates.
 #pragma once
 
 #include <optional>
@@ -75,15 +76,15 @@ struct Correction {
 ///   sd_px = 1                     # left out: as a point by hand
 ///
 /// Further keys of move and add: centre_sd_px, diameter_sd_px, equator_sd_deg, no_equator, top_px,
-/// top_image_px, contact_width_px, time_s; diameter_image_px and equator_image_deg are those on the photograph, from
-/// which a tilted camera's frame differs. Fails with "FILE:LINE: table.key: what is wrong".
+/// top_image_px, contact_width_px, time_s; diameter_image_px and equator_image_deg are those on the
+/// photograph, from which a tilted camera's frame differs. Fails with "FILE:LINE: table.key: what is wrong".
 Result<std::vector<Correction>> parse_corrections(std::string_view text, const std::string& file_name);
 
 /// Applies all at once: `at` refers to the images as they were found. Order, legs and times are then found
-/// again, and removed images are listed among the unmeasured with Reason::by_hand. With a surface line the legs that no
-/// one gave by hand are found anew, and the images in contact are measured against it. Fails with "FILE:LINE: what is
-/// wrong" if no image is near, two corrections select the same image, an added image has no diameter to take, or there
-/// is neither a scale nor an image; the digitization is then unchanged.
+/// again, and removed images are listed among the unmeasured with Reason::by_hand. With a surface line the
+/// legs that no one gave by hand are found anew, and the images in contact are measured against it. Fails
+/// with "FILE:LINE: what is wrong" if no image is near, two corrections select the same image, an added image
+/// has no diameter to take, or there is neither a scale nor an image; the digitization is then unchanged.
 Result<void> apply_corrections(Digitization& digitization, const std::vector<Correction>& corrections,
                                const DigitizeSettings& settings);
 

@@ -260,8 +260,8 @@ class Digitizer {
   Digitization result_;
 };
 
-/// Where numbers turn out not to be proportional to light, once more with light in their place: a screen's gamma
-/// widens every ball by half a pixel.
+/// Where numbers turn out not to be proportional to light, once more with light in their place: a screen's
+/// gamma widens every ball by half a pixel.
 Digitization digitize_light(const Photograph& photograph, const DigitizeSettings& settings) {
   auto digitization = Digitizer(photograph, settings).run();
   const PlaneMap map =

@@ -24,8 +24,8 @@ struct DigitizeSettings {
   std::optional<double>
       px_per_m;  ///< in the balls' plane, > 0; a first guess unless calibrated; absent: found
   std::optional<double> px_per_m_sd;  ///< present: px_per_m is calibrated, and copied to the frame
-  /// Largest relative difference of the ball's diameter from px_per_m·ball_diameter_m, and of single images' from the
-  /// one that they agree on, above 0 and below 0.9. At least .12 where the scale is found.
+  /// Largest relative difference of the ball's diameter from px_per_m·ball_diameter_m, and of single images'
+  /// from the one that they agree on, above 0 and below 0.9. At least .12 where the scale is found.
   double size_tolerance = 0.08;
   PlaneMap map = PlaneMap::uncalibrated(0);
   std::optional<SurfaceLine> surface;  ///< calibrated; absent: found from the plate
@@ -55,12 +55,12 @@ struct Digitization {
   std::vector<std::pair<std::string, double>> stage_ms;  ///< wall time of each stage
 };
 
-/// Fails with one line for settings out of range. A photograph without a ball gives no images, but reasons. So does
-/// one whose balls have clearly not the size that is given: a remark says which they have.
+/// Fails with one line for settings out of range. A photograph without a ball gives no images, but reasons.
+/// So does one whose balls have clearly not the size that is given: a remark says which they have.
 Result<Digitization> digitize(const Photograph& photograph, const DigitizeSettings& settings);
 
-/// Tops and flat widths of the images in contact, by the frame's surface line, of those that have none; what cannot be
-/// measured is listed. Nothing without a line.
+/// Tops and flat widths of the images in contact, by the frame's surface line, of those that have none; what
+/// cannot be measured is listed. Nothing without a line.
 void measure_contacts(Digitization& digitization);
 
 /// Finds order, legs and times of the images again, after some were changed.

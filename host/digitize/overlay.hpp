@@ -1,5 +1,6 @@
-// Draws a digitization on its photograph for inspection: outlines by leg, equator lines, numbers and times, the
-// surface line, and where asked what was rejected, with the reason. Deterministic; thread-safe; allocates.
+// Draws a digitization on its photograph for inspection: outlines by leg, equator lines, numbers and times,
+// the surface line, and where asked what was rejected, with the reason. Deterministic; thread-safe;
+// allocates.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +15,8 @@ namespace strobe::digitize {
 
 // A photograph's light as a screen shows it. Pure; thread-safe; allocates.
 
-/// CV_8UC1 of Photograph::intensity: black and white at the 1st and 99.8th percentile, with a gamma of 0.5, so that dark
-/// parts are visible. white: the number that white becomes, up to 255.
+/// CV_8UC1 of Photograph::intensity: black and white at the 1st and 99.8th percentile, with a gamma of 0.5,
+/// so that dark parts are visible. white: the number that white becomes, up to 255.
 cv::Mat display_grey(const cv::Mat& intensity, double white = 255.0);
 
 struct OverlaySettings {

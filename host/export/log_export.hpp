@@ -1,5 +1,5 @@
-// An LCM log's messages as tables or JSON lines. Reads a log record by record, so that a log of any size takes the memory
-// of one message, and goes on after damage. Reads files; one thread's.
+// An LCM log's messages as tables or JSON lines. Reads a log record by record, so that a log of any size
+// takes the memory of one message, and goes on after damage. Reads files; one thread's.
 #pragma once
 
 #include <cmath>
@@ -32,21 +32,22 @@ struct LogExportRemains {
   std::int64_t first_damage = -1;  ///< offset; -1: none
 };
 
-/// Hands over every row of every message. Columns before the message's own: log, record, logged_us, channel, sealed_by
-/// (the key's fingerprint), verified. Fails with the file's name if it cannot be read.
+/// Hands over every row of every message. Columns before the message's own: log, record, logged_us, channel,
+/// sealed_by (the key's fingerprint), verified. Fails with the file's name if it cannot be read.
 Result<LogExportRemains> export_rows(const std::filesystem::path& log, const LogExportOptions& options,
                                      const TakeRow& take);
 
-/// Hands over a line of JSON for every message: log, record, logged_us, channel, kind, sealed_by, verified, message.
+/// Hands over a line of JSON for every message: log, record, logged_us, channel, kind, sealed_by, verified,
+/// message.
 Result<LogExportRemains> export_json(const std::filesystem::path& log, const LogExportOptions& options,
                                      const std::function<void(const std::string&)>& take);
 
-/// The logs of a session's folder by name: the hosts', or strobed's journals where there are none; of a file itself.
-/// Fails if there are none.
+/// The logs of a session's folder by name: the hosts', or strobed's journals where there are none; of a file
+/// itself. Fails if there are none.
 Result<std::vector<std::filesystem::path>> logs_of(const std::filesystem::path& log_or_session);
 
-// An LCM message as a JSON object, with its messages and lists in it. Absent numbers and instants are null; identifiers
-// are texts, those of boots hexadecimal. Pure; thread-safe; allocates.
+// An LCM message as a JSON object, with its messages and lists in it. Absent numbers and instants are null;
+// identifiers are texts, those of boots hexadecimal. Pure; thread-safe; allocates.
 
 class JsonVisitor {
  public:

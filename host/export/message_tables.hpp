@@ -1,6 +1,7 @@
-// An LCM message as rows of tables: one row of its own with the fields of the messages in it ("plan.period_ns"), and for
-// each of its lists a table with one row an element ("shot.flashes"). Absent numbers and instants are empty. Ids of boots
-// are hexadecimal, as in results.csv. Pure; thread-safe; allocates.
+// An LCM message as rows of tables: one row of its own with the fields of the messages in it
+// ("plan.period_ns"), and for each of its lists a table with one row an element ("shot.flashes"). Absent
+// numbers and instants are empty. Ids of boots are hexadecimal, as in results.csv. Pure; thread-safe;
+// allocates.
 #pragma once
 
 #include <fmt/format.h>
@@ -112,16 +113,18 @@ class RowVisitor {
   std::string prefix_;
 };
 
-// A folder of tables, TABLE.csv with its data dictionary, written as their rows come. A table appears under its name once
-// all of it is on the disk. Writes files; one thread's.
+// A folder of tables, TABLE.csv with its data dictionary, written as their rows come. A table appears under
+// its name once all of it is on the disk. Writes files; one thread's.
 
 class TableFiles {
  public:
   explicit TableFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// Appends to the row's table; the first row of a table decides its columns. What cannot be written is told by close().
+  /// Appends to the row's table; the first row of a table decides its columns. What cannot be written is told
+  /// by close().
   void add(const MessageRow& row);
-  /// The last call. Fails with the path that cannot be written; tables that were there before still are, then.
+  /// The last call. Fails with the path that cannot be written; tables that were there before still are,
+  /// then.
   Result<void> close();
   /// Of close(): rows by table.
   const std::map<std::string, std::int64_t>& rows() const { return rows_; }

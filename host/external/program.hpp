@@ -1,4 +1,5 @@
-// Another program, run to its end in a temporary folder beside its results. Starts processes, writes files; thread-safe.
+// Another program, run to its end in a temporary folder beside its results. Starts processes, writes files;
+// thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -32,8 +33,9 @@ class WorkFolder {
   std::filesystem::path path_;
 };
 
-/// Runs words[0] with the others as its arguments, in the folder, without input. environment: "NAME=value", beside or in
-/// place of this process's. Fails with one line: the program, and its last message where it did not exit with 0.
+/// Runs words[0] with the others as its arguments, in the folder, without input. environment: "NAME=value",
+/// beside or in place of this process's. Fails with one line: the program, and its last message where it did
+/// not exit with 0.
 Result<void> run_program(std::vector<std::string> words, const WorkFolder& folder,
                          std::vector<std::string> environment = {});
 

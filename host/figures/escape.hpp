@@ -6,8 +6,9 @@
 
 namespace strobe::figures {
 
-/// Shown as it is, also within attributes in double quotes. Bytes that are not UTF-8, and characters that documents must
-/// not hold (controls), become U+FFFD; so do those that would turn the order of what follows (bidirectional controls).
+/// Shown as it is, also within attributes in double quotes. Bytes that are not UTF-8, and characters that
+/// documents must not hold (controls), become U+FFFD; so do those that would turn the order of what follows
+/// (bidirectional controls).
 std::string escaped(std::string_view text);
 
 }  // namespace strobe::figures

@@ -1,5 +1,5 @@
-// A figure as data: panels of series, measured or computed, in two dimensions; and the same with its axes, ready to be
-// drawn: every number that the drawing shows is in it. Pure; thread-safe.
+// A figure as data: panels of series, measured or computed, in two dimensions; and the same with its axes,
+// ready to be drawn: every number that the drawing shows is in it. Pure; thread-safe.
 #pragma once
 
 #include <limits>
@@ -98,18 +98,19 @@ struct Chart {
   std::vector<ChartPanel> panels;
 };
 
-/// Room for all values, with ticks at round numbers; where they are all equal, some about them. Values that are not
-/// finite, or beyond 1e100 either way, are left out; without any it is 0 to 1.
+/// Room for all values, with ticks at round numbers; where they are all equal, some about them. Values that
+/// are not finite, or beyond 1e100 either way, are left out; without any it is 0 to 1.
 Axis axis_for(const std::vector<double>& values);
 
 /// The same limits, kept as they are; low < high, both finite.
 Axis axis_between(double low, double high);
 
-/// Likewise a logarithmic one, with ticks at powers of ten, or at 1, 2 and 5 times those where there are few. Values must be
-/// positive, too; without any it is 0.1 to 1.
+/// Likewise a logarithmic one, with ticks at powers of ten, or at 1, 2 and 5 times those where there are few.
+/// Values must be positive, too; without any it is 0.1 to 1.
 Axis log_axis_for(const std::vector<double>& values);
 
-/// Axes by what the panels hold, or the ranges that they state. A panel with names has these as x ticks, at 1, 2, 3 ...
+/// Axes by what the panels hold, or the ranges that they state. A panel with names has these as x ticks, at
+/// 1, 2, 3 ...
 Chart make_chart(std::string key, Figure figure, const std::vector<std::string>& x_names = {});
 
 }  // namespace strobe::figures

@@ -1,5 +1,5 @@
-// Figures drawn as SVG, and written to files with the numbers that they show. The same figure gives the same bytes. Pure but for
-// write_figure(); thread-safe; allocates.
+// Figures drawn as SVG, and written to files with the numbers that they show. The same figure gives the same
+// bytes. Pure but for write_figure(); thread-safe; allocates.
 #pragma once
 
 #include <filesystem>
@@ -13,11 +13,12 @@ namespace strobe::figures {
 /// To stand within HTML, which has its title and caption: no script, no style of its own, nothing loaded.
 std::string svg_of(const Chart& chart);
 
-/// Columns series,x,y,low,high; series apart by two blank lines, numbers shortest-round-trip, no value where there is none.
+/// Columns series,x,y,low,high; series apart by two blank lines, numbers shortest-round-trip, no value where
+/// there is none.
 std::string csv_text(const Figure& figure);
 
-/// `stem`.csv and, as a drawing that stands alone with title and caption, `stem`.svg in `folder`, which is made if it is missing.
-/// Fails with the name of a file or folder that cannot be made or written.
+/// `stem`.csv and, as a drawing that stands alone with title and caption, `stem`.svg in `folder`, which is
+/// made if it is missing. Fails with the name of a file or folder that cannot be made or written.
 Result<void> write_figure(const Figure& figure, const std::filesystem::path& folder, const std::string& stem);
 
 }  // namespace strobe::figures

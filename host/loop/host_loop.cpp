@@ -1,14 +1,14 @@
 #include "host/loop/host_loop.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
 #include <charconv>
-#include <fmt/format.h>
 #include <string_view>
 #include <strobe_msgs/readout_t.hpp>
 
-#include "common/messages/well_formed.hpp"
 #include "common/messages/lcm_conversions.hpp"
+#include "common/messages/well_formed.hpp"
 #include "common/reduction/mixture.hpp"
 
 namespace strobe::host {

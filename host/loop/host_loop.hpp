@@ -1,5 +1,5 @@
-// The one loop of a host, whatever runs it (fire, live, replay, the soak test): messages in, the session kept,
-// photographs matched and measured, lost events requested again, shot results handed to the listeners.
+// The one loop of a host, whatever runs it (fire, live, replay, the soak test): messages in, the session
+// kept, photographs matched and measured, lost events requested again, shot results handed to the listeners.
 // With the lab's key, nothing is acted on that is not sealed with it (PacketCheck); without one, what is
 // seen is marked as unverified, and nothing can be sent.
 //
@@ -28,9 +28,9 @@
 
 namespace strobe::host {
 
-/// A DISARM that somebody has asked for: sent again and again until the firmware says that it has obeyed one of them. Only
-/// that event tells: a rig that is stopped may have been so before, by a stop that somebody is about to reset. Decides only;
-/// the host loop sends. No I/O.
+/// A DISARM that somebody has asked for: sent again and again until the firmware says that it has obeyed one
+/// of them. Only that event tells: a rig that is stopped may have been so before, by a stop that somebody is
+/// about to reset. Decides only; the host loop sends. No I/O.
 class DisarmRequest {
  public:
   static constexpr Duration kRepeat = milliseconds{100};
@@ -81,8 +81,8 @@ class HostListener {
   virtual void on_shot(const strobe_msgs::shot_t&) {}
   /// A shot's photograph has been read, also a dry one's; where the session keeps it.
   virtual void on_photograph(const KeptPhotograph&) {}
-  /// A photograph that the session should have kept has not been, or a message has not been taken in; told as a
-  /// notification, too.
+  /// A photograph that the session should have kept has not been, or a message has not been taken in; told as
+  /// a notification, too.
   virtual void on_not_kept(const std::string&) {}
   /// A line that a person should read.
   virtual void on_notification(const std::string&) {}
@@ -118,12 +118,13 @@ class HostLoop final : private MessageHandler {
 
   /// Seals and publishes a command, with the instant on the firmware's clock; without a key it is dropped.
   void send(strobe_msgs::command_t command);
-  /// A person asks now for something that may fire: typed the command, answered yes. Only stops from before are reset by it.
-  /// The loop's construction counts as one.
+  /// A person asks now for something that may fire: typed the command, answered yes. Only stops from before
+  /// are reset by it. The loop's construction counts as one.
   void person_acted() { acted_ = clock_.read().since_boot; }
   void person_acted(const HostReading& then) { acted_ = then.since_boot; }
-  /// Disarms the rig, whoever armed it, also a firmware that is silent: the DISARM is repeated until it is confirmed, and
-  /// a danger (Session::danger()) as long as its confirmation is overdue. by: who asks, for a person.
+  /// Disarms the rig, whoever armed it, also a firmware that is silent: the DISARM is repeated until it is
+  /// confirmed, and a danger (Session::danger()) as long as its confirmation is overdue. by: who asks, for a
+  /// person.
   void disarm(const std::string& by);
   /// A DISARM has been asked for and is not confirmed.
   bool disarming() const { return disarm_.open(); }

@@ -1,5 +1,6 @@
 // Fires a series on a host loop: steps the series, sends its commands, and in the end has the events fetched
-// that were lost on the way. step() is to be called after each turn of the loop. Single-threaded; never waits.
+// that were lost on the way. step() is to be called after each turn of the loop. Single-threaded; never
+// waits.
 #pragma once
 
 #include <cstdint>
@@ -29,9 +30,9 @@ class SeriesRunner final : public HostListener {
   int counted_before() const { return take_in_ ? take_in_->former().counted() : 0; }
 
   void step();
-  /// Ends the series before its time: the shot under way is aborted, the rig disarmed, whoever armed it, until that is
-  /// confirmed, for ten seconds at most; then lost events are recovered. Returns false if it had ended already. by: who
-  /// asks, for a person.
+  /// Ends the series before its time: the shot under way is aborted, the rig disarmed, whoever armed it,
+  /// until that is confirmed, for ten seconds at most; then lost events are recovered. Returns false if it
+  /// had ended already. by: who asks, for a person.
   bool stop(const std::string& by);
   /// As stop(), whatever is under way, and lost events are not waited for.
   void stop_at_once(const std::string& by);
@@ -69,9 +70,9 @@ class SeriesRunner final : public HostListener {
   std::optional<GapRecovery> recovery_;
 };
 
-// A series fired on the host loop, with all that is heard kept in a session folder. Before a shot is followed by
-// the next, what was heard of it is on the disk; when the disk fails, or a photograph cannot be kept, the shot
-// under way is the last one. Ports as the loop's; single-threaded.
+// A series fired on the host loop, with all that is heard kept in a session folder. Before a shot is followed
+// by the next, what was heard of it is on the disk; when the disk fails, or a photograph cannot be kept, the
+// shot under way is the last one. Ports as the loop's; single-threaded.
 
 class StoredSeries final : private HostListener {
  public:

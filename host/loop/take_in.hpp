@@ -9,8 +9,8 @@
 
 namespace strobe::host {
 
-/// The end of a series: events that were lost on the way are fetched from strobed's journal before the host's log is
-/// closed. No I/O.
+/// The end of a series: events that were lost on the way are fetched from strobed's journal before the host's
+/// log is closed. No I/O.
 class GapRecovery {
  public:
   explicit GapRecovery(HostTime now) : started_(now) {}

@@ -14,7 +14,8 @@ constexpr std::size_t kMaxAsks = 8;
 // questions.
 constexpr std::int64_t kMergeWithin = 64;
 constexpr std::int64_t kTail = 1'000'000;
-// A lab's are few; a log of years that is played back, or strangers where nothing is verified, have any number.
+// A lab's are few; a log of years that is played back, or strangers where nothing is verified, have any
+// number.
 constexpr std::size_t kMaxBoots = 256;
 // An ask and its answer each pass a lossy link: at 20 % loss eight in vain have a chance of 0.36^8 = 0.03 %.
 constexpr int kTailRequests = 8;

@@ -1,6 +1,6 @@
-// Which journalled events of each boot of the firmware have arrived, and which must be requested again. A boot
-// numbers its events 1, 2, 3 ... without gaps, so a missing number was lost on the way. Of more than 256 boots the
-// one heard longest ago is forgotten. No I/O; single-threaded.
+// Which journalled events of each boot of the firmware have arrived, and which must be requested again. A
+// boot numbers its events 1, 2, 3 ... without gaps, so a missing number was lost on the way. Of more than 256
+// boots the one heard longest ago is forgotten. No I/O; single-threaded.
 #pragma once
 
 #include <cstdint>

@@ -48,9 +48,9 @@ class MessageDecoder {
   std::string fault_;
 };
 
-// Which packets a host acts on. With the lab's key: those sealed with it, each once. What else comes costs one
-// check and no memory, is counted, and told in one line in ten seconds at most. Without a key nothing can be
-// told apart, and every packet is taken as it is. Single-threaded.
+// Which packets a host acts on. With the lab's key: those sealed with it, each once. What else comes costs
+// one check and no memory, is counted, and told in one line in ten seconds at most. Without a key nothing can
+// be told apart, and every packet is taken as it is. Single-threaded.
 
 class PacketCheck {
  public:

@@ -1,6 +1,6 @@
-// Photographs that lie in the camera's folder from before a host's start, matched to shots of earlier runs whose
-// result is lacking. Times are those of the earlier runs' logs and of the files. Reads the session's folder of
-// photographs; deterministic; single-threaded.
+// Photographs that lie in the camera's folder from before a host's start, matched to shots of earlier runs
+// whose result is lacking. Times are those of the earlier runs' logs and of the files. Reads the session's
+// folder of photographs; deterministic; single-threaded.
 #pragma once
 
 #include <filesystem>
@@ -32,8 +32,9 @@ struct LeftPhotograph {
   bool kept = false;  ///< the session's own copy
 };
 
-/// At most one for each shot that is wanted: the session's copy if an earlier run lived to make it, else a file whose
-/// time fits this shot and no other. `clock` has heard the heartbeats of the logs, at times since 1970.
+/// At most one for each shot that is wanted: the session's copy if an earlier run lived to make it, else a
+/// file whose time fits this shot and no other. `clock` has heard the heartbeats of the logs, at times since
+/// 1970.
 std::vector<LeftPhotograph> match_left_photographs(const LeftShots& shots, std::vector<OldFile> files,
                                                    const std::filesystem::path& session,
                                                    const DeviceClock& clock, double timeout_s);

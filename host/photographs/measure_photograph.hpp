@@ -1,5 +1,5 @@
-// One photograph measured, for whoever asks: as it arrives, again from its session, or by itself. Deterministic; reads
-// files; thread-safe; allocates.
+// One photograph measured, for whoever asks: as it arrives, again from its session, or by itself.
+// Deterministic; reads files; thread-safe; allocates.
 #pragma once
 
 #include <filesystem>
@@ -17,8 +17,8 @@ namespace strobe::host {
 
 // What the rig file says to the digitizer: the ball, the calibrated scale, the camera. Values; thread-safe.
 
-/// For photographs of that size. Without a scale in the rig file there is none in the settings: it is found. Fails with
-/// one line if the camera's photographs have another size.
+/// For photographs of that size. Without a scale in the rig file there is none in the settings: it is found.
+/// Fails with one line if the camera's photographs have another size.
 Result<digitize::DigitizeSettings> digitize_settings(const RigFile& rig, int width_px, int height_px);
 
 /// Digitizes, corrects, and adds what the camera's calibration leaves open. Fails with one line.
@@ -27,7 +27,8 @@ Result<digitize::Digitization> measure(const digitize::Photograph& photograph,
                                        const std::vector<digitize::Correction>& corrections,
                                        const CameraTable& camera);
 
-/// When the flashes of a shot were [s, ascending, from the first that was seen]; empty: their order is not plausible.
+/// When the flashes of a shot were [s, ascending, from the first that was seen]; empty: their order is not
+/// plausible.
 std::vector<double> flash_times_s(const strobe_msgs::shot_t& shot);
 
 /// How the photographs of a shot are measured.

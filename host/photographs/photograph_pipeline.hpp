@@ -1,6 +1,6 @@
-// From the camera's folder to frames: photographs are matched to shots, measured on a thread of their own, and
-// a copy of each is kept. What goes wrong with one photograph is told and stops nothing else. Single-threaded
-// but for the reader's thread; reads and writes files.
+// From the camera's folder to frames: photographs are matched to shots, measured on a thread of their own,
+// and a copy of each is kept. What goes wrong with one photograph is told and stops nothing else.
+// Single-threaded but for the reader's thread; reads and writes files.
 #pragma once
 
 #include <filesystem>
@@ -47,8 +47,8 @@ class PhotographPipeline {
   /// A frame that anybody has measured, this pipeline included.
   void on_frame(const strobe_msgs::frame_t& frame);
 
-  /// Measures what earlier runs left of the camera's photographs and fits a shot that is wanted (left_photographs.hpp).
-  /// Returns the shots.
+  /// Measures what earlier runs left of the camera's photographs and fits a shot that is wanted
+  /// (left_photographs.hpp). Returns the shots.
   std::vector<ShotKey> measure_left(const LeftShots& shots, const DeviceClock& clock);
   /// Of these, so many are not measured yet.
   int left() const { return left_; }

@@ -19,7 +19,8 @@ using reduction::Quantity;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// International Tennis Federation, court pace classification: up to 29, 30 to 34, 35 to 39, 40 to 44, 45 and more.
+/// International Tennis Federation, court pace classification: up to 29, 30 to 34, 35 to 39, 40 to 44, 45 and
+/// more.
 constexpr std::array<PaceCategory, 5> kPaceCategories{{{"slow", -kInfinity, 29.5},
                                                        {"medium-slow", 29.5, 34.5},
                                                        {"medium", 34.5, 39.5},

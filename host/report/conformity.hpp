@@ -1,5 +1,5 @@
-// Statements of conformity with limits, by a decision rule that takes the uncertainty into account. Pure; thread-safe.
-// Source: ISO/IEC 17025:2017, 7.8.6; ILAC-G8:09/2019, 4.2; JCGM 106:2012, 8.
+// Statements of conformity with limits, by a decision rule that takes the uncertainty into account. Pure;
+// thread-safe. Source: ISO/IEC 17025:2017, 7.8.6; ILAC-G8:09/2019, 4.2; JCGM 106:2012, 8.
 #pragma once
 
 #include <limits>
@@ -19,7 +19,8 @@ struct Limit {
   double high = std::numeric_limits<double>::infinity();
 };
 
-/// "e=0.80..0.86", "court_pace=..34.5": a quantity's name, its least and its largest value; one of them may be left out.
+/// "e=0.80..0.86", "court_pace=..34.5": a quantity's name, its least and its largest value; one of them may
+/// be left out.
 Result<Limit> parse_limit(std::string_view text);
 
 enum class DecisionRule {

@@ -77,7 +77,8 @@ struct ContactImages {
   std::size_t images = 0;
 };
 
-/// The group's means as a condition of the thesis. Returns nullopt where a number, or a spin that it knows, is missing.
+/// The group's means as a condition of the thesis. Returns nullopt where a number, or a spin that it knows,
+/// is missing.
 std::optional<thesis::Condition> condition_of(const ConditionGroup& group) {
   int angle = 0;
   const char* const end = group.angle.data() + group.angle.size();

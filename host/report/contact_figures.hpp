@@ -1,4 +1,5 @@
-// The images of the ball in contact, since touchdown: what Figures 4 to 17 are drawn from. Pure; thread-safe; allocates.
+// The images of the ball in contact, since touchdown: what Figures 4 to 17 are drawn from. Pure; thread-safe;
+// allocates.
 #pragma once
 
 #include <optional>
@@ -16,9 +17,9 @@ struct ContactPoint {
   std::optional<double> rotation_rad;  ///< absent: no equator was seen
 };
 
-/// Of each image in contact whose top was measured. The frame has times; the readout is its. Touchdown is where the
-/// incoming image next to it leads at the readout's velocity: within 3 ms gravity and air change less than .05 mm. Empty
-/// where the readout lacks velocities, spins or the dwell time.
+/// Of each image in contact whose top was measured. The frame has times; the readout is its. Touchdown is
+/// where the incoming image next to it leads at the readout's velocity: within 3 ms gravity and air change
+/// less than .05 mm. Empty where the readout lacks velocities, spins or the dwell time.
 std::vector<ContactPoint> contact_points(const reduction::Frame& frame, const reduction::Readout& readout);
 
 }  // namespace strobe::report

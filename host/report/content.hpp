@@ -1,5 +1,5 @@
-// What a report is made of, and the sessions' shots by condition with their statistics: what its sections are written from.
-// Plain values and pure functions; thread-safe; they allocate.
+// What a report is made of, and the sessions' shots by condition with their statistics: what its sections are
+// written from. Plain values and pure functions; thread-safe; they allocate.
 #pragma once
 
 #include <functional>

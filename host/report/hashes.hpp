@@ -1,4 +1,5 @@
-// SHA-256 and Base64 by libsodium. sha256_of_file() reads a file, the rest is pure. Thread-safe; they allocate.
+// SHA-256 and Base64 by libsodium. sha256_of_file() reads a file, the rest is pure. Thread-safe; they
+// allocate.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,6 @@
-// A report as data: sections of facts, tables, charts, shots and texts, in the order in which a person reads them. HTML and
-// JSON are two ways of writing it, so that neither shows what the other lacks. Plain values; thread-safe.
+// A report as data: sections of facts, tables, charts, shots and texts, in the order in which a person reads
+// them. HTML and JSON are two ways of writing it, so that neither shows what the other lacks. Plain values;
+// thread-safe.
 #pragma once
 
 #include <cstdint>

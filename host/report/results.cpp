@@ -1,5 +1,5 @@
-// Means with their uncertainties, in the thesis's tables: incoming ball, rebounding ball, parameters, for each spin; and what the
-// uncertainties are made of.
+// Means with their uncertainties, in the thesis's tables: incoming ball, rebounding ball, parameters, for
+// each spin; and what the uncertainties are made of.
 #include <fmt/format.h>
 
 #include <algorithm>

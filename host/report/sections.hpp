@@ -1,5 +1,5 @@
-// The parts of a report, in their order, and the pieces that they are written with. All but commissioning(), photographs() and
-// records(), which read the session's files, are pure; thread-safe.
+// The parts of a report, in their order, and the pieces that they are written with. All but commissioning(),
+// photographs() and records(), which read the session's files, are pure; thread-safe.
 #pragma once
 
 #include <optional>

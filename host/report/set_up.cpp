@@ -1,13 +1,14 @@
-// What stood on the bench and what proves it: rig, ball, camera, runs; the record of commissioning, every step's newest result and
-// how it stands on the day of the first test; versions, and hashes of the files that the report was made from.
+// What stood on the bench and what proves it: rig, ball, camera, runs; the record of commissioning, every
+// step's newest result and how it stands on the day of the first test; versions, and hashes of the files that
+// the report was made from.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <set>
 
-#include "host/commission/steps.hpp"
 #include "host/commission/record/record.hpp"
+#include "host/commission/steps.hpp"
 #include "host/report/hashes.hpp"
 #include "host/report/sections.hpp"
 

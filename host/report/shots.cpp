@@ -1,4 +1,5 @@
-// Shot by shot: in numbers, with what is wrong with it; its photograph with what was found on it; how its flashes came.
+// Shot by shot: in numbers, with what is wrong with it; its photograph with what was found on it; how its
+// flashes came.
 #include <fmt/format.h>
 
 #include <limits>
@@ -82,8 +83,8 @@ Result<reduction::Frame> frame_of(const host::Shot& shot) {
   return frame;
 }
 
-/// The photograph with what was measured on it, drawn from what is stored, without measuring again. Fails with why there is
-/// none, for a person.
+/// The photograph with what was measured on it, drawn from what is stored, without measuring again. Fails
+/// with why there is none, for a person.
 Result<Picture> overlay_picture(const host::StoredSession& session, const host::Shot& shot) {
   if (!shot.photograph) return fail("No photograph is kept.");
   const auto path = shot.photograph->is_absolute() ? *shot.photograph : session.folder / *shot.photograph;

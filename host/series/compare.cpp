@@ -30,7 +30,8 @@ struct Variances {
     return uncertain > 0.0 ? all * all / uncertain : std::numeric_limits<double>::infinity();
   }
 
-  /// Whether n shots of each find it: its distance from 0 is the interval's half width and the power's quantile more.
+  /// Whether n shots of each find it: its distance from 0 is the interval's half width and the power's
+  /// quantile more.
   bool find(double difference, double n1, double n2) const {
     const double nu = freedom(n1, n2);
     const double quantiles = statistics::student_t_half_width(reduction::kExpandedLevel, nu) +

@@ -1,6 +1,6 @@
-// The difference of two series, quantity by quantity, and how many shots would decide. What both share, as a calibration,
-// moves both alike and cancels as far as it does. Deterministic; thread-safe; allocates.
-// Source: B. L. Welch, The generalization of Student's problem, Biometrika 34 (1947); GUM 5.2 and G.4.
+// The difference of two series, quantity by quantity, and how many shots would decide. What both share, as a
+// calibration, moves both alike and cancels as far as it does. Deterministic; thread-safe; allocates. Source:
+// B. L. Welch, The generalization of Student's problem, Biometrika 34 (1947); GUM 5.2 and G.4.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ struct QuantityDifference {
   double expanded_uncertainty = 0.0;         ///< half width of the 95 % interval
   bool decided = false;                      ///< the interval does not hold 0
   double p_value = 1.0;                      ///< probability of as large a difference if there were none
-  /// Further shots that each series needs until a difference of `asked` is found with a probability of 80 %; 0: it has
-  /// enough; absent: no number of shots would do, since what they share is too uncertain.
+  /// Further shots that each series needs until a difference of `asked` is found with a probability of 80 %;
+  /// 0: it has enough; absent: no number of shots would do, since what they share is too uncertain.
   std::optional<int> more_first, more_second;
   double asked = 0.0;  ///< > 0
 };
@@ -35,8 +35,8 @@ struct Comparison {
 
 inline constexpr double kPower = 0.8;
 
-/// Of the quantities of which both series have two shots, all with their budgets. `difference`: the size that shots are counted for, in the
-/// quantity's unit, > 0; absent: that which was found.
+/// Of the quantities of which both series have two shots, all with their budgets. `difference`: the size that
+/// shots are counted for, in the quantity's unit, > 0; absent: that which was found.
 Comparison compare(const Series& first, const Series& second, std::optional<double> difference = {});
 
 }  // namespace strobe::host

@@ -37,14 +37,16 @@ Result<std::pair<std::string, std::string>> parse_where(const std::string& text)
 /// Fails for a shot to be left out that is not there, or whose name several sessions have.
 Result<SelectedShots> select_shots(std::vector<Shot> shots, const Selection& selection);
 
-// The shots of a stored session as a series takes them. No I/O; thread-safe; allocates; some milliseconds a shot.
+// The shots of a stored session as a series takes them. No I/O; thread-safe; allocates; some milliseconds a
+// shot.
 
-/// A stored shot with its budget, if it counts, and with whose errors it shares; without its messages, which a series needs
-/// no more.
+/// A stored shot with its budget, if it counts, and with whose errors it shares; without its messages, which
+/// a series needs no more.
 Shot series_shot(const Shot& stored);
 
-/// `session`: what its shots are called by, empty where there is one session only. Calibration and ball are those of the
-/// shot's rig file, the ball also by its note ball_name: balls that no note tells apart are taken for the same.
+/// `session`: what its shots are called by, empty where there is one session only. Calibration and ball are
+/// those of the shot's rig file, the ball also by its note ball_name: balls that no note tells apart are
+/// taken for the same.
 std::vector<Shot> series_shots(const StoredSession& session, const std::string& session_name);
 
 /// The shot's frame with the likeliest times of its flashes; absent without one.

@@ -6,8 +6,8 @@
 #include <limits>
 #include <numeric>
 
-#include "common/reduction/uncertainty.hpp"
 #include "common/reduction/running_statistics.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "common/statistics/distributions.hpp"
 
 namespace strobe::host {
@@ -130,9 +130,9 @@ SharedEffects Series::shared_effects() const {
   return means;
 }
 
-/// The distance of each shot from the others, in standard deviations of such a distance, is Student's t with n - 2 degrees
-/// of freedom, and follows from g, that from the mean of all in their scatter; of the largest of n, Bonferroni's bound is
-/// what Grubbs's test uses.
+/// The distance of each shot from the others, in standard deviations of such a distance, is Student's t with
+/// n - 2 degrees of freedom, and follows from g, that from the mean of all in their scatter; of the largest
+/// of n, Bonferroni's bound is what Grubbs's test uses.
 void Series::find_outliers(Quantity q, const QuantitySummary& s, std::vector<SeriesOutlier>& found) const {
   const std::vector<double>& values = of(q).values;
   const auto n = static_cast<double>(values.size());

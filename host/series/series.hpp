@@ -1,7 +1,7 @@
-// A series that grows shot by shot, and what it says of each quantity, with what its uncertainty is made of. What all shots
-// share (scale, ball, air, calibration) does not become smaller with their number: each shared source's effects are averaged
-// with their signs, and sources are combined afterwards. Deterministic; not thread-safe; allocates.
-// Source: JCGM 100:2008 (GUM), 4.2, 5.2 and F.1.2.
+// A series that grows shot by shot, and what it says of each quantity, with what its uncertainty is made of.
+// What all shots share (scale, ball, air, calibration) does not become smaller with their number: each shared
+// source's effects are averaged with their signs, and sources are combined afterwards. Deterministic; not
+// thread-safe; allocates. Source: JCGM 100:2008 (GUM), 4.2, 5.2 and F.1.2.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "common/reduction/uncertainty.hpp"
 #include "common/reduction/readout.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "host/session/shot.hpp"
 
 namespace strobe::host {
@@ -114,21 +114,23 @@ class Series {
 
 SeriesSummary summarize(std::string name, std::span<const Shot> shots);
 
-/// A shot stands apart where chance makes one as far off in 1 % of series (Grubbs's test, one quantity), judged by the
-/// others' mean and scatter. Of fewer shots none is told. Two that stand apart together may hide each other.
-/// Source: F. E. Grubbs, Procedures for detecting outlying observations in samples, Technometrics 11 (1969).
+/// A shot stands apart where chance makes one as far off in 1 % of series (Grubbs's test, one quantity),
+/// judged by the others' mean and scatter. Of fewer shots none is told. Two that stand apart together may
+/// hide each other. Source: F. E. Grubbs, Procedures for detecting outlying observations in samples,
+/// Technometrics 11 (1969).
 inline constexpr double kOutlierLevel = 0.01;
 inline constexpr int kMinForOutlier = 4;
 
-/// One shot's budget of one quantity, line by line. Without lines that do nothing to the quantity; the map's errors as one.
+/// One shot's budget of one quantity, line by line. Without lines that do nothing to the quantity; the map's
+/// errors as one.
 std::vector<BudgetLine> budget_lines(const reduction::Budget& budget, reduction::Quantity q);
 
 // Limits of a run chart of single shots: an individuals chart.
-// Source: W. A. Shewhart, Economic Control of Quality of Manufactured Product (1931); ISO 7870-2:2013, individuals and
-// moving range.
+// Source: W. A. Shewhart, Economic Control of Quality of Manufactured Product (1931); ISO 7870-2:2013,
+// individuals and moving range.
 
-/// Mean and three standard deviations either way, the sd from the mean range of two shots that follow each other, so that
-/// a drift does not widen them.
+/// Mean and three standard deviations either way, the sd from the mean range of two shots that follow each
+/// other, so that a drift does not widen them.
 struct IndividualsLimits {
   double mean = 0.0, lower = 0.0, upper = 0.0;
 };

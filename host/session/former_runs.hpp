@@ -1,5 +1,5 @@
-// What earlier runs of `strobe fire` left in a session's folder: the results that are in its table, and the messages in
-// its logs that are sealed with the lab's key. Reads files; allocates; one thread's.
+// What earlier runs of `strobe fire` left in a session's folder: the results that are in its table, and the
+// messages in its logs that are sealed with the lab's key. Reads files; allocates; one thread's.
 #pragma once
 
 #include <cstdint>
@@ -46,13 +46,14 @@ struct FormerRuns {
   int counted() const;
   /// Shots of the runs, not dry, whose summary a log holds and the table has no result of.
   std::set<ShotKey> unfinished() const;
-  /// Whether a run may have fired a shot of which there is no result: one that is unfinished, or a FIRE without a
-  /// summary, which may have been refused.
+  /// Whether a run may have fired a shot of which there is no result: one that is unfinished, or a FIRE
+  /// without a summary, which may have been refused.
   bool may_lack_results() const;
 };
 
-/// results.csv of a folder: whether each shot in it counts. None if there is no such file. A shot that is there twice
-/// is what its last row says. Fails with the name of a file that cannot be read: what it holds is not known then.
+/// results.csv of a folder: whether each shot in it counts. None if there is no such file. A shot that is
+/// there twice is what its last row says. Fails with the name of a file that cannot be read: what it holds is
+/// not known then.
 Result<std::map<ShotKey, bool>> read_result_rows(const std::filesystem::path& folder);
 
 /// Logs but for `own_log`. rig: the name on the channels. Fails likewise; a log is read as far as it can be.

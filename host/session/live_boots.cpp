@@ -69,8 +69,8 @@ std::vector<std::int64_t> LiveBoots::heard(HostTime now) const {
   return found;
 }
 
-/// One of all events that it has, and none that another is asked for: a log that is recorded and played back at once
-/// would have that one.
+/// One of all events that it has, and none that another is asked for: a log that is recorded and played back
+/// at once would have that one.
 std::int64_t LiveBoots::draw(const Boots::value_type& boot, HostTime now) {
   const auto known = std::max<std::int64_t>(1, boot.second.status.last_sequence);
   const auto seed = static_cast<std::uint64_t>(boot.first ^ now.time_since_epoch().count());
@@ -181,7 +181,8 @@ bool moves_by_itself(std::int8_t kind) {
   }
 }
 
-/// A DISARM of what is disarmed, and events of another boot, which may be lost, have no answer that is certain.
+/// A DISARM of what is disarmed, and events of another boot, which may be lost, have no answer that is
+/// certain.
 bool must_be_answered(const command_t& command, const status_t& status) {
   if (command.boot_id != status.boot_id) return false;
   if (command.kind == command_t::DISARM) return status.arm_token != 0 || status.state == status_t::FIRING;

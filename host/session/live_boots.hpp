@@ -1,12 +1,12 @@
-// Whether more than one rig of this name is heard: each FIRE would reach one of them by chance, so nothing is armed
-// meanwhile. A boot counts while its heartbeats go on (its clock advances) and no other boot that is heard lists it as
-// an earlier one.
+// Whether more than one rig of this name is heard: each FIRE would reach one of them by chance, so nothing is
+// armed meanwhile. A boot counts while its heartbeats go on (its clock advances) and no other boot that is
+// heard lists it as an earlier one.
 //
-// A log that is played back looks the same, since its seals are good. So where two boots are heard, each is asked to send
-// single events of its own again, drawn from all that it has: a rig that hears this host does, a log does not. One that
-// leaves four questions unanswered is told, and no rig that a FIRE could reach: it does not stop the shots. Until then it
-// counts, for three seconds; afterwards it is asked now and then. Whoever has the lab's key and answers stops the shots,
-// as whoever jams the network does.
+// A log that is played back looks the same, since its seals are good. So where two boots are heard, each is
+// asked to send single events of its own again, drawn from all that it has: a rig that hears this host does,
+// a log does not. One that leaves four questions unanswered is told, and no rig that a FIRE could reach: it
+// does not stop the shots. Until then it counts, for three seconds; afterwards it is asked now and then.
+// Whoever has the lab's key and answers stops the shots, as whoever jams the network does.
 //
 // Deterministic in what it is given; no I/O; single-threaded. Holds eight boots at most.
 #pragma once
@@ -42,10 +42,12 @@ class LiveBoots {
 
   /// What each boot is to be asked now; none while one boot alone is heard.
   std::vector<EventRange> due(HostTime now);
-  /// All that are heard, those that answer nothing included: whom a DISARM must reach. In the order of their ids.
+  /// All that are heard, those that answer nothing included: whom a DISARM must reach. In the order of their
+  /// ids.
   std::vector<std::int64_t> heard(HostTime now) const;
   bool knows(std::int64_t boot_id) const { return boots_.contains(boot_id); }
-  /// Why nothing may be armed, for a person: two rigs of the name, or who else is there is not yet known. Empty: it may.
+  /// Why nothing may be armed, for a person: two rigs of the name, or who else is there is not yet known.
+  /// Empty: it may.
   std::string problem(HostTime now) const;
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
 
@@ -82,9 +84,9 @@ class LiveBoots {
   std::vector<std::string> notifications_;
 };
 
-// Whether the rig that is heard hears this host, too. What this host asks of it is answered within milliseconds; where
-// heartbeats come and no answer does, commands do not reach it, DISARM included. Fed with the commands that are sent and
-// with what is heard; no I/O; single-threaded.
+// Whether the rig that is heard hears this host, too. What this host asks of it is answered within
+// milliseconds; where heartbeats come and no answer does, commands do not reach it, DISARM included. Fed with
+// the commands that are sent and with what is heard; no I/O; single-threaded.
 
 class AnswerWatch {
  public:

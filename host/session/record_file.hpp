@@ -1,7 +1,7 @@
-// A file that grows by whole records. A record that cannot be written leaves nothing of itself behind: what was
-// written of it is cut off again. It waits in memory with those that follow and is tried again, in order. The
-// caller is told of every failure, and sees to it that nobody else writes the file (run_lock.hpp). Writes a file; one
-// thread's.
+// A file that grows by whole records. A record that cannot be written leaves nothing of itself behind: what
+// was written of it is cut off again. It waits in memory with those that follow and is tried again, in order.
+// The caller is told of every failure, and sees to it that nobody else writes the file (run_lock.hpp). Writes
+// a file; one thread's.
 #pragma once
 
 #include <sys/types.h>
@@ -42,8 +42,8 @@ class RecordFile {
   Result<void> append(std::string record, std::string_view kind);
   /// Writes what waits.
   Result<void> retry();
-  /// Returns once what was written is on the disk. A disk that fails in this may have lost any of it, and does
-  /// not say so again: all later calls fail, too.
+  /// Returns once what was written is on the disk. A disk that fails in this may have lost any of it, and
+  /// does not say so again: all later calls fail, too.
   Result<void> sync();
   /// Whether what is written still reaches a file of this name.
   Result<void> still_there() const;
@@ -82,10 +82,11 @@ class RecordFile {
 /// A table of comma-separated values that grows by whole lines over any number of runs.
 class CsvFile {
  public:
-  /// Opens for appending; writes the header if the file is new. A last line without its end is closed if it has
-  /// all columns, as a person's editor may leave it; else a write was cut short there, and it is removed. A file
-  /// with the header of an earlier version, which lacked the last columns, keeps it: they are then left out of
-  /// each line, and must hold no commas. Fails if the file has any other header, or cannot be read or written.
+  /// Opens for appending; writes the header if the file is new. A last line without its end is closed if it
+  /// has all columns, as a person's editor may leave it; else a write was cut short there, and it is removed.
+  /// A file with the header of an earlier version, which lacked the last columns, keeps it: they are then
+  /// left out of each line, and must hold no commas. Fails if the file has any other header, or cannot be
+  /// read or written.
   static Result<CsvFile> open(const std::filesystem::path& path, const std::string& header,
                               const std::vector<std::string>& earlier = {});
 

@@ -33,7 +33,8 @@ int open_own(const fs::path& file) {
   return made >= 0 || errno != EEXIST ? made : ::open(file.c_str(), kFlags);
 }
 
-/// A stranger who can open it can hold its lock for ever. File systems without modes show every file as open to all.
+/// A stranger who can open it can hold its lock for ever. File systems without modes show every file as open
+/// to all.
 bool open_to_strangers(int fd) {
   struct stat before {
   }, after{};

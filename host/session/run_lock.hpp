@@ -1,6 +1,6 @@
-// Who writes a session, or a record of commissioning: one run at a time. The lock is on a file beside what is written, which
-// nobody else can open, and which tells whose run it is. It goes with its holder, however that ends; nothing here waits.
-// Writes a file; one thread's.
+// Who writes a session, or a record of commissioning: one run at a time. The lock is on a file beside what is
+// written, which nobody else can open, and which tells whose run it is. It goes with its holder, however that
+// ends; nothing here waits. Writes a file; one thread's.
 #pragma once
 
 #include <filesystem>
@@ -19,9 +19,9 @@ class RunLock {
                                     WallTime now) {
     return take(folder / "session.lock", who, now);
   }
-  /// who: "login@machine". Fails at once, with one line that names the file: it is held, and by whom and since when; or it
-  /// cannot be opened, as where another user's run was killed. A file that others can open, as one copied from elsewhere, is
-  /// replaced. Where the file system has no locks it is taken without.
+  /// who: "login@machine". Fails at once, with one line that names the file: it is held, and by whom and
+  /// since when; or it cannot be opened, as where another user's run was killed. A file that others can open,
+  /// as one copied from elsewhere, is replaced. Where the file system has no locks it is taken without.
   static Result<RunLock> take(const std::filesystem::path& file, const std::string& who, WallTime now);
 
   RunLock(RunLock&& other) noexcept

@@ -1,5 +1,5 @@
-// runs.jsonl: what each `strobe fire` in a session's folder was asked for, one JSON object per line, appended before its
-// first shot. Pure functions but for read_runs(), which reads a file; thread-safe; they allocate.
+// runs.jsonl: what each `strobe fire` in a session's folder was asked for, one JSON object per line, appended
+// before its first shot. Pure functions but for read_runs(), which reads a file; thread-safe; they allocate.
 #pragma once
 
 #include <cstdint>
@@ -42,8 +42,8 @@ struct RunRecords {
   std::vector<RunRecord> runs;  ///< oldest first
   std::vector<std::string>
       remarks;  ///< a sentence for each line that is no record, such as one that a power cut tore
-  /// Any bytes without their end; number: of the line, from 1. A line without a host_id, or that is no JSON object, is left
-  /// out and told. What else is absent or of another type is as RunRecord has it by default.
+  /// Any bytes without their end; number: of the line, from 1. A line without a host_id, or that is no JSON
+  /// object, is left out and told. What else is absent or of another type is as RunRecord has it by default.
   void add(std::string_view line, int number);
 };
 

@@ -116,7 +116,8 @@ void Session::on_frame(const frame_t& frame, HostTime /*now*/) {
   finish(shot, frame);
 }
 
-/// A frame that does not know its firmware belongs to the running one's shot of that number, or else to the newest.
+/// A frame that does not know its firmware belongs to the running one's shot of that number, or else to the
+/// newest.
 std::map<ShotKey, Session::PendingShot>::iterator Session::waiting_for(const frame_t& frame) {
   if (frame.boot_id != 0) return pending_.find({frame.boot_id, frame.shot_id});
   auto newest = pending_.end();
@@ -417,10 +418,10 @@ bool Session::ran_earlier(std::int64_t boot_id) const {
                                         [boot_id](const auto& boot) { return boot.boot_id == boot_id; });
 }
 
-/// Overtaken on the way, or of a log that is played back, whose seals are good. Of two boots the later one lists
-/// the other; where their session folders differ, another is believed only when the one heard has fallen silent.
-/// A firing host believes any until one has answered it, which no log can, and that one then for a cut's time, as
-/// a boot's end is its shots' end.
+/// Overtaken on the way, or of a log that is played back, whose seals are good. Of two boots the later one
+/// lists the other; where their session folders differ, another is believed only when the one heard has
+/// fallen silent. A firing host believes any until one has answered it, which no log can, and that one then
+/// for a cut's time, as a boot's end is its shots' end.
 bool Session::outdated(const strobe_msgs::status_t& status, HostTime now) const {
   if (!status_) return false;
   if (status.boot_id == status_->boot_id) return status.mono_ns < status_->mono_ns;

@@ -36,8 +36,8 @@ namespace strobe::host {
 /// Heartbeats come twice a second; five lost in a row mean that the firmware is gone.
 inline constexpr Duration kSilent = milliseconds{2500};
 
-/// How long the firmware was heard, by its own clock, over all its boots: a time that only messages move, so that a log
-/// played back at any speed moves it alike. Time in which no heartbeat came does not count.
+/// How long the firmware was heard, by its own clock, over all its boots: a time that only messages move, so
+/// that a log played back at any speed moves it alike. Time in which no heartbeat came does not count.
 class HeardTime {
  public:
   static constexpr std::size_t kMaxBoots = 64;
@@ -77,8 +77,8 @@ class Session {
   /// No message will come any more: shots that still wait end without a photograph.
   void on_end();
 
-  /// Shots of these hosts are this one's, too: of earlier runs, which ended before their results came. What is not yet
-  /// known of them is then asked for.
+  /// Shots of these hosts are this one's, too: of earlier runs, which ended before their results came. What
+  /// is not yet known of them is then asked for.
   void adopt(const std::set<std::int64_t>& hosts) { adopted_.insert(hosts.begin(), hosts.end()); }
   bool adopted(std::int64_t host_id) const { return adopted_.contains(host_id); }
   /// The shot has a result from before: it gets none.
@@ -95,10 +95,11 @@ class Session {
 
   /// Who a host said to be when it armed; empty: it is not known.
   std::string host_name(std::int64_t host_id) const;
-  /// What the firmware last said of outputs that may be active, until it says that they are not; else what is not confirmed
-  /// of a DISARM; else empty.
+  /// What the firmware last said of outputs that may be active, until it says that they are not; else what is
+  /// not confirmed of a DISARM; else empty.
   const std::string& danger() const { return danger_.empty() ? unconfirmed_ : danger_; }
-  /// Of a DISARM, for a person; empty: there is none that is overdue. Returns true if these words are new ones to tell.
+  /// Of a DISARM, for a person; empty: there is none that is overdue. Returns true if these words are new
+  /// ones to tell.
   bool set_unconfirmed(const std::string& words) {
     const bool news = !words.empty() && words != unconfirmed_;
     unconfirmed_ = words;

@@ -1,7 +1,8 @@
-// What a host keeps of a session: DIR/host-<UTC>.lcmlog (every message received, its own readouts), results.csv and
-// flashes.csv with their data dictionaries (shot_table.hpp), shots.txt (what a person was told), runs.jsonl
-// (run_record.hpp), and the rig, plan and calibration files as used. A failing disk stops no call: it is told
-// (take_failures), and what was not written is counted (unstored). Writes files; one thread's.
+// What a host keeps of a session: DIR/host-<UTC>.lcmlog (every message received, its own readouts),
+// results.csv and flashes.csv with their data dictionaries (shot_table.hpp), shots.txt (what a person was
+// told), runs.jsonl (run_record.hpp), and the rig, plan and calibration files as used. A failing disk stops
+// no call: it is told (take_failures), and what was not written is counted (unstored). Writes files; one
+// thread's.
 #pragma once
 
 #include <array>
@@ -35,8 +36,8 @@ std::string flashes_header();
 /// The lines of a shot, each with its end.
 std::string flashes_lines(const strobe_msgs::shot_t& shot);
 
-/// flashes.csv: the record of every flash of every shot, one line each, appended over any number of runs. What was not
-/// there is empty.
+/// flashes.csv: the record of every flash of every shot, one line each, appended over any number of runs.
+/// What was not there is empty.
 class FlashesCsv {
  public:
   /// Fails where CsvFile does. Flashes that the file already has are known.
@@ -100,7 +101,8 @@ class SessionFolder {
 
   const std::filesystem::path& path() const { return folder_; }
   const std::filesystem::path& log_path() const { return log_.file().path(); }
-  /// The plan file as used, a name in the folder: plan.toml, or another where an earlier run had another plan.
+  /// The plan file as used, a name in the folder: plan.toml, or another where an earlier run had another
+  /// plan.
   const std::string& plan_file() const { return plan_file_; }
 
  private:
@@ -134,9 +136,9 @@ std::string utc_for_file(WallTime wall);
 std::string utc_for_table(WallTime wall);
 
 /// A transport whose messages are kept in a session's log: those received that the loop acts on, and those
-/// published as they are published; with their seals, so that a replay can verify them too. What strangers send
-/// fills no disk. Times in the log are those of the start, gone on by CLOCK_MONOTONIC: setting the wall clock does not
-/// make a replay wait, or believe that the firmware was silent.
+/// published as they are published; with their seals, so that a replay can verify them too. What strangers
+/// send fills no disk. Times in the log are those of the start, gone on by CLOCK_MONOTONIC: setting the wall
+/// clock does not make a replay wait, or believe that the firmware was silent.
 class LoggedTransport final : public Transport {
  public:
   /// All references must outlive the object.

@@ -1,5 +1,5 @@
-// The LCM logs in a session's folder: those that are there, by their names, and the host's own, which grows. Reads folders
-// and writes a file; one thread's.
+// The LCM logs in a session's folder: those that are there, by their names, and the host's own, which grows.
+// Reads folders and writes a file; one thread's.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@
 
 namespace strobe::host {
 
-/// The hosts' logs in the folder, in the order of their names, which is that of their starts. `error`: why the folder
-/// could not be read to its end.
+/// The hosts' logs in the folder, in the order of their names, which is that of their starts. `error`: why
+/// the folder could not be read to its end.
 std::vector<std::filesystem::path> host_logs(const std::filesystem::path& folder, std::error_code& error);
 /// The firmware's journals in the folder, in the order of their names, which says nothing.
 std::vector<std::filesystem::path> journals(const std::filesystem::path& folder, std::error_code& error);
@@ -25,8 +25,8 @@ std::vector<std::filesystem::path> journals(const std::filesystem::path& folder,
 std::vector<std::filesystem::path> host_logs(const std::filesystem::path& folder);
 std::vector<std::filesystem::path> journals(const std::filesystem::path& folder);
 
-/// A host's log: every message it received and published, in LCM's log format, one record each. Messages are on
-/// their way to the disk before the call returns, so that a killed host loses none.
+/// A host's log: every message it received and published, in LCM's log format, one record each. Messages are
+/// on their way to the disk before the call returns, so that a killed host loses none.
 class EventLog {
  public:
   /// Makes host-<utc>.lcmlog in the folder, with one more letter where that is taken.

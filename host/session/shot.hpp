@@ -1,5 +1,5 @@
-// A shot, under way or stored, and what became of it: its readout, or why it has none. Deterministic; no I/O; thread-safe;
-// allocates. How its fields are named and printed: shot_table.hpp.
+// A shot, under way or stored, and what became of it: its readout, or why it has none. Deterministic; no I/O;
+// thread-safe; allocates. How its fields are named and printed: shot_table.hpp.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 #include <strobe_msgs/shot_t.hpp>
 #include <vector>
 
-#include "common/reduction/uncertainty.hpp"
 #include "common/reduction/readout.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "common/shot/shot_key.hpp"
 #include "host/assembly/assemble.hpp"
 #include "host/config/rig_file.hpp"
@@ -28,7 +28,8 @@ struct Digitization {
   bool by_hand = false;        ///< a person corrected it afterwards, or measured it all
   std::string utc;             ///< when, as in results.csv; empty while the shot is under way
   std::string who;             ///< of a correction: who made it; else empty
-  /// In the session's folder: the file that holds it, and the corrections that made it; empty: the log holds it.
+  /// In the session's folder: the file that holds it, and the corrections that made it; empty: the log holds
+  /// it.
   std::filesystem::path file, corrections;
 };
 
@@ -37,8 +38,8 @@ struct Shot {
   std::int64_t boot_id = 0;  ///< start of the firmware that fired it
   std::int64_t host_id = 0;  ///< who fired it
   int shot_id = 0;
-  /// What a person calls it, everywhere: its shot_id; where two boots of the session have the same id, the later boots'
-  /// with their boot: "3/1f2e4d". Empty while it is under way.
+  /// What a person calls it, everywhere: its shot_id; where two boots of the session have the same id, the
+  /// later boots' with their boot: "3/1f2e4d". Empty while it is under way.
   std::string name;
   std::string session;  ///< its folder's name where shots of several sessions are together; else empty
   std::string utc;      ///< when its result came, as in results.csv; empty while it is under way
@@ -55,8 +56,8 @@ struct Shot {
   /// Of the readout, with the times of the flashes: if AssemblySettings asks for budgets, until there is one.
   std::optional<reduction::Frame> matched;
   reduction::Budget budget;  ///< of the readout's uncertainty; without sources: it was not made
-  /// What its scale and map came from, and its ball: shots with the same text share the errors of it. Empty: likewise, but
-  /// balls that a note (ball_name) tells apart.
+  /// What its scale and map came from, and its ball: shots with the same text share the errors of it. Empty:
+  /// likewise, but balls that a note (ball_name) tells apart.
   std::string calibration, ball;
 
   ShotKey key() const { return {boot_id, shot_id}; }
@@ -70,7 +71,8 @@ struct Shot {
   }
 };
 
-/// The readout, or the train report of a dry shot; whose it is, why it does not count, and whether it is the lab's.
+/// The readout, or the train report of a dry shot; whose it is, why it does not count, and whether it is the
+/// lab's.
 nlohmann::ordered_json shot_json(const Shot& shot);
 
 /// Of a shot with its photograph. more: flags that shot and photograph do not tell.
@@ -92,20 +94,19 @@ std::string_view words(reduction::Flag flag);
 /// Likewise, with the flashes that it is about: of those that show the ball, where these are known.
 std::string words(reduction::Flag flag, const reduction::Readout& readout, const FlashFaults& faults);
 
-/// By how much numbers may differ from one plausible assignment of flashes to images to the next: twice the standard
-/// deviation between the hypotheses, which of two equally likely ones is their difference.
+/// By how much numbers may differ from one plausible assignment of flashes to images to the next: twice the
+/// standard deviation between the hypotheses, which of two equally likely ones is their difference.
 struct MatchTolerance {
-  double percent =
-      1.0;  ///< of the speed at touchdown, of the spin of a ball that rolls with it, of 1 (e, mu, the
-            ///< court pace's 100), of 1 rad, of the dwell's own time and distance
+  double percent = 1.0;  ///< of the speed at touchdown, of the spin of a ball that rolls with it, of 1 (e,
+                         ///< mu, the court pace's 100), of 1 rad, of the dwell's own time and distance
   double ball_diameter_m = 0.0651;
 };
 
 /// Why the shot does not count and is fired again, in words. Returns nullopt if it counts. A shot is rejected
 /// when it was aborted, has no photograph or too few images of the ball, when a flash that shows the ball was
-/// missing or double, when its flash times are not plausible, or when it is so uncertain which flashes made the
-/// images that some number depends on it by more than the tolerance. A late flash does not reject it: its own time is
-/// used.
+/// missing or double, when its flash times are not plausible, or when it is so uncertain which flashes made
+/// the images that some number depends on it by more than the tolerance. A late flash does not reject it: its
+/// own time is used.
 std::optional<std::string> rejection_reason(const reduction::Readout& readout,
                                             const MatchTolerance& tolerance = {},
                                             const FlashFaults& faults = {});

@@ -101,7 +101,8 @@ void ShotSeries::end_after_shot(const std::string& why) {
   give_up(why);
 }
 
-/// What a person's act has to do with: nothing begins that a switch is in the way of, and a stop from before is reset.
+/// What a person's act has to do with: nothing begins that a switch is in the way of, and a stop from before
+/// is reset.
 void ShotSeries::begin(const status_t& status, HostTime now) {
   if (const char* const words = switch_in_the_way(status))
     return give_up(fmt::format("{}: {}, then give the command again", words,

@@ -33,8 +33,8 @@ struct ShotSeriesSettings {
   reduction::Record notes;
   double blocked_timeout_s =
       60.0;  ///< gives up if nothing can be fired (no firmware, key off ...) for so long
-  /// Of a photograph after its shot. Where one has not come, the next shot waits for as long again: a photograph that
-  /// comes while no other was exposed cannot be taken for another shot's.
+  /// Of a photograph after its shot. Where one has not come, the next shot waits for as long again: a
+  /// photograph that comes while no other was exposed cannot be taken for another shot's.
   double photograph_timeout_s = 5.0;
   bool clear_fault = false;
 };
@@ -56,7 +56,8 @@ class ShotSeries {
   /// Ends the series; what is armed or under way is for the caller to disarm.
   void stop() { state_ = State::finished; }
 
-  /// Who holds the arming that the status tells of, if it is known; whether it was an earlier run of one's own.
+  /// Who holds the arming that the status tells of, if it is known; whether it was an earlier run of one's
+  /// own.
   void on_arming_of(std::string host_name, bool own);
   /// Another rig has the name (LiveBoots): nothing is armed. Empty: none has.
   void on_second_rig(std::string why) { second_rig_ = std::move(why); }

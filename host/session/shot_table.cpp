@@ -174,7 +174,8 @@ std::vector<Column> make_flashes_columns() {
   };
 }
 
-/// In quotes. Written as text, since nlohmann's destructors need memory: where there is none they end the program.
+/// In quotes. Written as text, since nlohmann's destructors need memory: where there is none they end the
+/// program.
 std::string json_string(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {

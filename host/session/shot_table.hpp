@@ -60,8 +60,8 @@ struct Column {
   char separator = 0;    ///< a cell is a list of values that this separates; 0: one value
 };
 
-/// A column of results.csv, and what of a shot stands there: numbers with the fewest digits that read back to the same
-/// value; what could not be had is empty.
+/// A column of results.csv, and what of a shot stands there: numbers with the fewest digits that read back to
+/// the same value; what could not be had is empty.
 struct ShotField {
   Column column;
   std::function<std::string(const Shot&)> text;

@@ -1,5 +1,5 @@
-// How well the flashes of one shot came, what a dry shot is fired for and a check of any other; and what they show of the
-// bench's own delays, as values for the rig file. No I/O; thread-safe; allocates.
+// How well the flashes of one shot came, what a dry shot is fired for and a check of any other; and what they
+// show of the bench's own delays, as values for the rig file. No I/O; thread-safe; allocates.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,4 +1,5 @@
-// Beyond the thesis: rolling friction, and the contact's mechanics fitted to all sets: springs, skid-to-grip time, energy.
+// Beyond the thesis: rolling friction, and the contact's mechanics fitted to all sets: springs, skid-to-grip
+// time, energy.
 #include <fmt/format.h>
 
 #include "common/contact/condition_inputs.hpp"

@@ -51,8 +51,8 @@ std::vector<std::string> render(const ViewModel& model, std::size_t width);
 
 /// Parts of it, for plain output.
 std::vector<std::string> render_firmware(const ViewModel& model, std::size_t width);
-/// The essential numbers (series_view.hpp) with their total standard uncertainty. `all`: every number, what its uncertainty
-/// is made of, and which flashes show the ball.
+/// The essential numbers (series_view.hpp) with their total standard uncertainty. `all`: every number, what
+/// its uncertainty is made of, and which flashes show the ball.
 std::vector<std::string> render_shot(const Shot& shot_result, std::size_t width, bool all = false);
 /// render_summary() of the series.
 std::vector<std::string> render_series(const Series& series,

@@ -1,4 +1,5 @@
-// What a series says, for a program: JSON objects with keys in fixed order; what is not known is null. Pure; thread-safe.
+// What a series says, for a program: JSON objects with keys in fixed order; what is not known is null. Pure;
+// thread-safe.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,6 @@
-// What a series says, for a person: scatter, standard error, what the shots share, and the total; differences; budgets.
-// Numbers have two significant digits of their total uncertainty (GUM 7.2.6). Pure; thread-safe.
+// What a series says, for a person: scatter, standard error, what the shots share, and the total;
+// differences; budgets. Numbers have two significant digits of their total uncertainty (GUM 7.2.6). Pure;
+// thread-safe.
 #pragma once
 
 #include <optional>
@@ -17,8 +18,8 @@ namespace strobe::host {
 /// Of a person's first reading: not the slip. The court pace is there where shots conform to ITF CS 01/02.
 bool is_essential(reduction::Quantity q);
 
-/// "zero 23: 9 shots counted, 1 rejected", a row for each quantity, and outliers. `all`: every quantity, else the essential
-/// ones. Without a counted shot a sentence.
+/// "zero 23: 9 shots counted, 1 rejected", a row for each quantity, and outliers. `all`: every quantity, else
+/// the essential ones. Without a counted shot a sentence.
 std::vector<std::string> render_summary(const SeriesSummary& summary,
                                         const std::optional<thesis::Condition>& condition, std::size_t width,
                                         bool all = false);

@@ -1,6 +1,6 @@
-// Commissioning on the page: the record of a rig, or the run under way, which viewers may confirm and repeat as far as it
-// watches inputs alone. Whatever makes outputs move, and each question on what a person saw or heard of it, is answered at the
-// console, whatever is sent here. Thread-safe.
+// Commissioning on the page: the record of a rig, or the run under way, which viewers may confirm and repeat
+// as far as it watches inputs alone. Whatever makes outputs move, and each question on what a person saw or
+// heard of it, is answered at the console, whatever is sent here. Thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -31,10 +31,12 @@ struct RunView {
   std::string prompted_step;  ///< its id
   std::string waiting;
 };
-/// Whether only who stands at the rig may answer: what makes outputs move, and what follows on it, seen or heard.
+/// Whether only who stands at the rig may answer: what makes outputs move, and what follows on it, seen or
+/// heard.
 bool asks_at_console(const commission::Prompt& prompt);
 
-/// GET /api/v1/commission: the record, read anew each time. The rig file is read anew, too, if `rig_path` is not empty.
+/// GET /api/v1/commission: the record, read anew each time. The rig file is read anew, too, if `rig_path` is
+/// not empty.
 void add_record_route(Router& router, const std::filesystem::path& rig_path);
 
 /// A run under way, between the loop's thread and the network's. Thread-safe; locks are held for a move.
@@ -69,7 +71,8 @@ class CommissionRun {
   std::vector<Asked> asked_;
 };
 
-/// GET /api/v1/commission, POST /api/v1/commission/confirm {"step":ID} and …/more_time {}. The run must outlive the router.
+/// GET /api/v1/commission, POST /api/v1/commission/confirm {"step":ID} and …/more_time {}. The run must
+/// outlive the router.
 void add_run_routes(Router& router, CommissionRun& run);
 
 }  // namespace strobe::web

@@ -20,13 +20,13 @@ struct PhotographPlace {
   int width_px = 0, height_px = 0;
 };
 
-/// shot_json() and more, see host/web/README.md. photograph: absent: none can be shown. What was not measured is null here:
-/// the measurement that the log holds does not tell, unless it lies in digitizations/.
+/// shot_json() and more, see host/web/README.md. photograph: absent: none can be shown. What was not measured
+/// is null here: the measurement that the log holds does not tell, unless it lies in digitizations/.
 nlohmann::ordered_json detail_json(const host::Shot& shot, const std::string& session_id,
                                    const std::optional<PhotographPlace>& photograph);
 
-/// From the frame that counts to the photograph. Without a photograph, whose height nobody knows, one just as high as the
-/// images need.
+/// From the frame that counts to the photograph. Without a photograph, whose height nobody knows, one just as
+/// high as the images need.
 digitize::PlaneMap photograph_map(const host::Shot& shot, const std::optional<PhotographPlace>& photograph);
 
 }  // namespace strobe::web

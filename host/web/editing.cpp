@@ -8,8 +8,8 @@
 #include "common/config/files.hpp"
 #include "common/config/toml_bounds.hpp"
 #include "common/messages/parsed_json.hpp"
-#include "host/archive/shot_outcome.hpp"
 #include "host/archive/redigitize.hpp"
+#include "host/archive/shot_outcome.hpp"
 #include "host/assembly/camera_map.hpp"
 #include "host/photographs/digitization_json.hpp"
 #include "host/web/images_json.hpp"
@@ -19,8 +19,8 @@ namespace strobe::web {
 namespace {
 
 namespace fs = std::filesystem;
-using host::StoredSession;
 using host::Shot;
+using host::StoredSession;
 using messages::or_null;
 using nlohmann::ordered_json;
 
@@ -67,12 +67,11 @@ ordered_json photograph_json(const Preview& seen) {
 
 ordered_json preview_json(const Shot& before, const Preview& after) {
   const Shot& result = after.shot;
-  ordered_json json{
-      {"before", result_values(before)},
-      {"after", result_values(result)},
-      {"rejected", {{"before", or_null(before.rejected)}, {"after", or_null(result.rejected)}}},
-      {"flags", shot_row(result, "", "", "").flags},
-      {"advice", advice(result)}};
+  ordered_json json{{"before", result_values(before)},
+                    {"after", result_values(result)},
+                    {"rejected", {{"before", or_null(before.rejected)}, {"after", or_null(result.rejected)}}},
+                    {"flags", shot_row(result, "", "", "").flags},
+                    {"advice", advice(result)}};
   json.update(photograph_json(after));
   json["surface_by_hand"] = after.found.surface_by_hand;
   json["problem"] = result.problem.empty() ? ordered_json() : ordered_json(result.problem);

@@ -1,6 +1,6 @@
-// Corrections over HTTP: see host/web/README.md. A preview says what they would make of a shot, and writes nothing. Saving and
-// taking back write into the session's digitizations/, just as `strobe shot --edit` and --undo-edit do. Reads files;
-// thread-safe, one at a time.
+// Corrections over HTTP: see host/web/README.md. A preview says what they would make of a shot, and writes
+// nothing. Saving and taking back write into the session's digitizations/, just as `strobe shot --edit` and
+// --undo-edit do. Reads files; thread-safe, one at a time.
 #pragma once
 
 #include <functional>
@@ -25,8 +25,9 @@ struct Preview {
 /// Keeps the automatic measurement of the shots looked at last, so that a change is seen at once.
 class Previewer {
  public:
-  /// corrections: a text as of --edit; file_name: for messages. The numbers are those that saving it gives. Refused with 422
-  /// and one line that names what is wrong with the corrections, with 409 where the photograph cannot be measured.
+  /// corrections: a text as of --edit; file_name: for messages. The numbers are those that saving it gives.
+  /// Refused with 422 and one line that names what is wrong with the corrections, with 409 where the
+  /// photograph cannot be measured.
   Answered<Preview> preview(const host::StoredSession& session, const host::Shot& shot,
                             const std::string& corrections, const std::string& file_name);
   /// Without corrections: as it was found.

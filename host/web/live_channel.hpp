@@ -1,6 +1,7 @@
-// Between the host's loop and the page: what the loop tells, and what the page asks of it. The loop never waits, neither for
-// the lock (it tries, and comes again with its next turn) nor for room (what does not fit is left out and told). Commands wake
-// the loop through a descriptor; who gives one learns whether the loop has taken it. Thread-safe.
+// Between the host's loop and the page: what the loop tells, and what the page asks of it. The loop never
+// waits, neither for the lock (it tries, and comes again with its next turn) nor for room (what does not fit
+// is left out and told). Commands wake the loop through a descriptor; who gives one learns whether the loop
+// has taken it. Thread-safe.
 #pragma once
 
 #include <atomic>

@@ -1,4 +1,5 @@
-// Tells the page what happens on a host's loop. The loop's thread's alone; never waits; a turn costs it microseconds.
+// Tells the page what happens on a host's loop. The loop's thread's alone; never waits; a turn costs it
+// microseconds.
 #pragma once
 
 #include <deque>
@@ -25,7 +26,8 @@ class LiveFeed final : public host::HostListener {
   /// Shots and notifications that wait for room; more are left out, with a notification that says so.
   static constexpr std::size_t kMaxWaiting = 256;
 
-  /// Both must outlive the feed. Add it to the loop's listeners, after those that a viewer must not be told before.
+  /// Both must outlive the feed. Add it to the loop's listeners, after those that a viewer must not be told
+  /// before.
   LiveFeed(LiveChannel& channel, host::Clock& clock) : channel_(channel), clock_(clock) {}
 
   /// From now on only results of these hosts' shots are told.
@@ -34,8 +36,8 @@ class LiveFeed final : public host::HostListener {
   void on_shot_result(const host::Shot& result) override;
   void on_notification(const std::string& text) override;
 
-  /// After each turn of the loop: tells how things are, at once where something has changed that a person waits for, else
-  /// twice a second. model: up to date.
+  /// After each turn of the loop: tells how things are, at once where something has changed that a person
+  /// waits for, else twice a second. model: up to date.
   void step(host::HostLoop& loop, const host::ViewModel& model, const Progress& progress);
 
   std::vector<LiveCommand> take_commands() { return channel_.take_commands(); }

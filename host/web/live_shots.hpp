@@ -1,5 +1,6 @@
-// The newest shots of the session that this process writes, so that a viewer sees them without its logs being read again.
-// The listener's part is the loop's thread's, which copies a shot and a result under a short lock; the rest is any thread's.
+// The newest shots of the session that this process writes, so that a viewer sees them without its logs being
+// read again. The listener's part is the loop's thread's, which copies a shot and a result under a short
+// lock; the rest is any thread's.
 #pragma once
 
 #include <deque>
@@ -23,7 +24,8 @@ class LiveShots final : public host::HostListener {
   void on_shot_result(const host::Shot& shot) override;
 
   const std::filesystem::path& folder() const { return folder_; }
-  /// As a reading of the folder would have it, but for name and time, which are the caller's. Absent: not among the newest.
+  /// As a reading of the folder would have it, but for name and time, which are the caller's. Absent: not
+  /// among the newest.
   std::optional<host::Shot> find(const ShotKey& key) const;
   /// The newest of the number, where no row tells the shot's start.
   std::optional<ShotKey> newest_numbered(int shot_id) const;

@@ -7,8 +7,8 @@
 
 #include "common/messages/parsed_json.hpp"
 #include "host/session/shot_table.hpp"
-#include "host/view/timing.hpp"
 #include "host/view/render.hpp"
+#include "host/view/timing.hpp"
 #include "host/web/http/worker.hpp"
 #include "host/web/shot_json.hpp"
 

@@ -1,5 +1,6 @@
-// What the page shows of a host that runs: kept up to date on a background thread from what the loop tells (live_feed.hpp),
-// published as events, ready as JSON (host/web/README.md); and what it asks of the host. Thread-safe.
+// What the page shows of a host that runs: kept up to date on a background thread from what the loop tells
+// (live_feed.hpp), published as events, ready as JSON (host/web/README.md); and what it asks of the host.
+// Thread-safe.
 #pragma once
 
 #include <memory>
@@ -44,8 +45,9 @@ class LiveState {
   /// Of GET /api/v1/timing; absent: no firmware was heard.
   std::optional<std::string> timing_json() const;
 
-  /// 202: the host's loop has it, and does it in the same turn; 400; 409: it cannot do that now; 503: the loop stands still and
-  /// gets it when it goes on, or has not come to what it was asked before. Waits for a second at most: LiveChannel::command().
+  /// 202: the host's loop has it, and does it in the same turn; 400; 409: it cannot do that now; 503: the
+  /// loop stands still and gets it when it goes on, or has not come to what it was asked before. Waits for a
+  /// second at most: LiveChannel::command().
   Response ask(const Request& request, LiveCommand::Kind kind);
 
   static constexpr std::size_t kMaxNotifications = 50;

@@ -1,5 +1,5 @@
-// Photographs of sessions as pictures for a browser. Reads files; thread-safe, one at a time; keeps the pictures asked for
-// last (48 MB) and the size of those decoded last.
+// Photographs of sessions as pictures for a browser. Reads files; thread-safe, one at a time; keeps the
+// pictures asked for last (48 MB) and the size of those decoded last.
 #pragma once
 
 #include <cstdint>
@@ -26,10 +26,11 @@ struct Picture {
 
 class PhotographStore {
  public:
-  /// file: a photograph that the session keeps; one that is no file of the folder's own, or that cannot be decoded, is
-  /// refused with 404.
+  /// file: a photograph that the session keeps; one that is no file of the folder's own, or that cannot be
+  /// decoded, is refused with 404.
   Answered<PictureSize> size(const std::filesystem::path& session, const std::filesystem::path& file);
-  /// width_px: at least so wide, if the photograph is; 0 or less: as wide as it is. Stretched as display_grey() does.
+  /// width_px: at least so wide, if the photograph is; 0 or less: as wide as it is. Stretched as
+  /// display_grey() does.
   Answered<Picture> picture(const std::filesystem::path& session, const std::filesystem::path& file,
                             int width_px);
 

@@ -9,8 +9,8 @@
 
 namespace strobe::web {
 
-/// What a session is called: its folder's name. Bytes that are no UTF-8, control characters and % are written %FF, so that
-/// every folder has an id and no two have the same.
+/// What a session is called: its folder's name. Bytes that are no UTF-8, control characters and % are written
+/// %FF, so that every folder has an id and no two have the same.
 std::string session_id(const std::string& folder_name);
 
 /// Folders right below `sessions` that hold a log, a journal or results, in the order of their names.

@@ -103,7 +103,8 @@ Answered<SessionStore::Stored*> SessionStore::read(const fs::path& folder) {
   return &stored_.put(folder, std::move(read), cost);
 }
 
-/// A host that writes moves its log twice a second: what was read holds for the shots that results.csv had by then.
+/// A host that writes moves its log twice a second: what was read holds for the shots that results.csv had by
+/// then.
 Answered<SessionStore::Stored*> SessionStore::stored_with(const fs::path& folder,
                                                           const std::set<ShotKey>& needed) {
   Stored* known = stored_.find(folder);

@@ -1,5 +1,5 @@
-// The sessions below a folder, for whoever looks at them: lists by their small files, details by their logs, each read once
-// and kept as long as it holds. Reads files; writes none. Thread-safe, one reading at a time.
+// The sessions below a folder, for whoever looks at them: lists by their small files, details by their logs,
+// each read once and kept as long as it holds. Reads files; writes none. Thread-safe, one reading at a time.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,8 @@ struct SessionStoreSettings {
   std::string version;             ///< of strobe, for reports
 };
 
-/// A shot, and the session that it was read with; null: the shot is so new that only this process knows it whole.
+/// A shot, and the session that it was read with; null: the shot is so new that only this process knows it
+/// whole.
 struct ShotOfSession {
   std::shared_ptr<const host::StoredSession> session;
   std::shared_ptr<const host::Shot> shot;
@@ -58,7 +59,8 @@ class SessionStore {
   /// The session's shots with their budgets, each made once.
   Answered<std::vector<host::Shot>> series_shots(const std::string& id);
 
-  /// A shot of the session was corrected, or that taken back: what was read stays, with the shot as it is now.
+  /// A shot of the session was corrected, or that taken back: what was read stays, with the shot as it is
+  /// now.
   void take_change(const std::string& id, const host::Shot& shot);
 
   /// A state of the session's shots: the same text, the same numbers.

@@ -28,7 +28,8 @@ using nlohmann::ordered_json;
 using reduction::kQuantityCount;
 using reduction::Quantity;
 
-/// What `read` makes of a file of the folder; nothing of a link, nor of what cannot be read, which the problem tells.
+/// What `read` makes of a file of the folder; nothing of a link, nor of what cannot be read, which the
+/// problem tells.
 template <typename Value>
 Value own(SessionTable& table, const char* name, Result<Value> (*read)(const fs::path&)) {
   const fs::path path = table.folder / name;

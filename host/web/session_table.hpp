@@ -1,4 +1,5 @@
-// What a session's small files say, without its logs: quick even for a thousand shots. Reads files; thread-safe.
+// What a session's small files say, without its logs: quick even for a thousand shots. Reads files;
+// thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -20,14 +21,15 @@ struct SessionTable {
   std::string problem;        ///< a line on the first file that cannot be read; empty: none
 };
 
-/// Rows of a results.csv, of this version or an earlier one, in its order, each shot once; lines that are none are
-/// left out.
+/// Rows of a results.csv, of this version or an earlier one, in its order, each shot once; lines that are
+/// none are left out.
 std::vector<ShotRow> shot_rows(const std::vector<host::ResultsRow>& results);
 
 /// What cannot be read is absent, and told. A line that a host is still writing is left out.
 SessionTable read_table(const std::filesystem::path& folder);
 
-/// {"id","utc","shots","counted","rig","spin","angle_deg","live","problem"}: a spin or angle that all shots have.
+/// {"id","utc","shots","counted","rig","spin","angle_deg","live","problem"}: a spin or angle that all shots
+/// have.
 nlohmann::ordered_json session_json(const SessionTable& table, bool live);
 
 /// Shots of which a photograph was measured again: results.csv need not know of it.

@@ -111,8 +111,7 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kAdvice{
 
 }  // namespace
 
-ShotRow shot_row(const host::Shot& result, std::string name, std::string utc,
-                 std::string_view digitization) {
+ShotRow shot_row(const host::Shot& result, std::string name, std::string utc, std::string_view digitization) {
   const reduction::Readout& readout = result.readout;
   ShotRow row;
   row.name = std::move(name);

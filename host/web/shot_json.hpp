@@ -1,5 +1,5 @@
-// Shots and series as the page and scripts have them: see host/web/README.md. Values; pure but for condition_of(); thread-safe;
-// allocates.
+// Shots and series as the page and scripts have them: see host/web/README.md. Values; pure but for
+// condition_of(); thread-safe; allocates.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -36,7 +36,8 @@ struct ShotRow {
 /// digitization: of host/session/shot_table.hpp or host/archive/shot_outcome.hpp.
 ShotRow shot_row(const host::Shot& result, std::string name, std::string utc, std::string_view digitization);
 
-/// {"vx_td_mps":{"value":15.4,"sd":0.19},…}: all quantities, the sd the total one; null where it is not known.
+/// {"vx_td_mps":{"value":15.4,"sd":0.19},…}: all quantities, the sd the total one; null where it is not
+/// known.
 nlohmann::ordered_json values_json(const reduction::Quantities& value, const reduction::Quantities& total_sd);
 
 /// {"session","name","boot_id",…}: see host/web/README.md. session: absent: null.
@@ -45,8 +46,9 @@ nlohmann::ordered_json shot_json(const ShotRow& row, const std::optional<std::st
 /// [{"name","label","unit","essential"}] in the order of reduction::Quantity.
 nlohmann::ordered_json quantities_json();
 
-/// {"summary","points","limits","thesis"}. rows: all shots of the series in the order of firing, those that do not count,
-/// too; dry ones are left out. Limits: host/series/individuals_chart.hpp; null where there are too few shots.
+/// {"summary","points","limits","thesis"}. rows: all shots of the series in the order of firing, those that
+/// do not count, too; dry ones are left out. Limits: host/series/individuals_chart.hpp; null where there are
+/// too few shots.
 nlohmann::ordered_json series_page_json(const host::SeriesSummary& summary,
                                         const std::optional<thesis::Condition>& condition,
                                         std::span<const ShotRow> rows);
@@ -54,7 +56,8 @@ nlohmann::ordered_json series_page_json(const host::SeriesSummary& summary,
 /// The thesis's series where all rows have one spin and angle. Reads the file that comes with strobe.
 std::optional<thesis::Condition> condition_of(std::span<const ShotRow> rows);
 
-/// What to do about a shot that does not count, or whose numbers are doubtful: a sentence or more; empty: nothing.
+/// What to do about a shot that does not count, or whose numbers are doubtful: a sentence or more; empty:
+/// nothing.
 std::string advice(const host::Shot& result);
 
 }  // namespace strobe::web

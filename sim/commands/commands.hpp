@@ -108,20 +108,22 @@ struct BoardOptions {
 /// Writes photographs of a calibration board, and the truth about them.
 int board_command(const BoardOptions& options);
 
-/// The model that a tolerance as typed allows (empty: full), printed on stderr. 0, or the exit status after the message.
+/// The model that a tolerance as typed allows (empty: full), printed on stderr. 0, or the exit status after
+/// the message.
 int choose_model(const std::string& tolerance, const Scene& scene, const ShootSettings& settings,
                  Model& model);
 
 int scenes_command(bool json);
 
-/// `drives`: LINE=LEVEL or LINE=open, LINE a name or an offset. At once, or after the N-th rising edge of a line
+/// `drives`: LINE=LEVEL or LINE=open, LINE a name or an offset. At once, or after the N-th rising edge of a
+/// line
 /// (`after` is LINE=N).
 int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives,
                   const std::string& after);
 int lines_command(const std::string& chip_dir, bool json);
 
-/// Runs a command, and turns the key, presses the e-stop and pulls wires of the chip as it asks for on standard error (the
-/// words of `strobe commission`), which is passed on. Its exit status is, too.
+/// Runs a command, and turns the key, presses the e-stop and pulls wires of the chip as it asks for on
+/// standard error (the words of `strobe commission`), which is passed on. Its exit status is, too.
 int operator_command(const std::string& chip_dir, const std::vector<std::string>& command);
 
 /// Unplugs the chip: at once, or after the N-th rising edge of a line (`after` is LINE=N).

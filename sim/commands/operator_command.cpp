@@ -1,5 +1,5 @@
-// Programs beside a running rig. strobe-sim operator: whoever stands at it while `strobe commission` asks for key, e-stop
-// and wires.
+// Programs beside a running rig. strobe-sim operator: whoever stands at it while `strobe commission` asks for
+// key, e-stop and wires.
 #include <fcntl.h>
 #include <unistd.h>
 

@@ -1,15 +1,17 @@
-// Which effects a simulation of a scene has to compute, so that the numbers read from its shots stay within a tolerance of
-// what they would be with all of them.
+// Which effects a simulation of a scene has to compute, so that the numbers read from its shots stay within a
+// tolerance of what they would be with all of them.
 //
-// What is decided: what costs something, measured by `strobe-sim effects`. Pixels make a shot some twenty times as
-// expensive; how exactly the contact is solved, its motion by the ODE and the mean over the flash are half of what is
-// left. All other effects cost next to nothing: leaving them out would only add to the error.
+// What is decided: what costs something, measured by `strobe-sim effects`. Pixels make a shot some twenty
+// times as expensive; how exactly the contact is solved, its motion by the ODE and the mean over the flash
+// are half of what is left. All other effects cost next to nothing: leaving them out would only add to the
+// error.
 //
-// How. Up to kCandidates models, the cheapest first, are simulated beside the full one, kSampledShots shots each, digitized
-// without error, by a seed of their own: the first one that changes no number by more than kSampledPart of its tolerance
-// is taken, the full one if none. What is said holds with kConfidence: if a share p of a scene's shots changed some
-// number by more than that, all sampled ones would pass with a probability of at most (1 - p)^kSampledShots; that any of
-// kCandidates such models passes, with at most kCandidates times that. Hence p is below sampled_share():
+// How. Up to kCandidates models, the cheapest first, are simulated beside the full one, kSampledShots shots
+// each, digitized without error, by a seed of their own: the first one that changes no number by more than
+// kSampledPart of its tolerance is taken, the full one if none. What is said holds with kConfidence: if a
+// share p of a scene's shots changed some number by more than that, all sampled ones would pass with a
+// probability of at most (1 - p)^kSampledShots; that any of kCandidates such models passes, with at most
+// kCandidates times that. Hence p is below sampled_share():
 //   p = 1 - ((1 - kConfidence)/kCandidates)^(1/kSampledShots).
 // The order is fixed, since a choice must not depend on how busy a machine is.
 //
@@ -63,8 +65,8 @@ class ModelChooser {
   /// All effects that the scene has.
   const Model& present() const { return present_; }
 
-  /// The largest change of each number that one effect makes in the sampled shots. For other effects than the pixels
-  /// both models lack these, which would hide what is smaller than they are.
+  /// The largest change of each number that one effect makes in the sampled shots. For other effects than the
+  /// pixels both models lack these, which would hide what is smaller than they are.
   PerQuantity change_by(Effect effect);
 
  private:

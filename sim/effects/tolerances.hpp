@@ -1,4 +1,5 @@
-// The quantities of a readout and their tolerances, by which models of a scene are compared. Pure; thread-safe.
+// The quantities of a readout and their tolerances, by which models of a scene are compared. Pure;
+// thread-safe.
 #pragma once
 
 #include <array>

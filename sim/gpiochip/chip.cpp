@@ -90,9 +90,10 @@ void emit_settled(const ChipFolder& folder, std::uint32_t line, unsigned level, 
     emit_v2(folder, line, level, settled.stamp_ns);
 }
 
-/// The line has just become `level` at `stamp_ns`, and whoever requested it for that edge gets its event. Nobody else emits
-/// an edge of this line meanwhile. A v1 request's queue holds 16 events, and a newer one is dropped. A v2 request's drops
-/// the oldest, and numbers all its edges, dropped ones too. A debounced line only notes the edge.
+/// The line has just become `level` at `stamp_ns`, and whoever requested it for that edge gets its event.
+/// Nobody else emits an edge of this line meanwhile. A v1 request's queue holds 16 events, and a newer one is
+/// dropped. A v2 request's drops the oldest, and numbers all its edges, dropped ones too. A debounced line
+/// only notes the edge.
 void emit_edge(const ChipFolder& folder, std::uint32_t line, unsigned level, std::int64_t stamp_ns) {
   const std::uint32_t config = folder.state->lines[line].config.load();
   if (is_debounced(*folder.state, line)) {

@@ -7,13 +7,13 @@
 // any number of processes may attach. Times are CLOCK_MONOTONIC. A folder in memory (/dev/shm) spares
 // programs the page faults of write-back. The chip ends with its creator.
 //
-// A line's wire can be opened: its level is then that of the chip's own resistor as it was last asked for (a bias
-// outlives its request, as in hardware), and without one the level that it had. What holds a line from outside is
-// stronger than that resistor.
+// A line's wire can be opened: its level is then that of the chip's own resistor as it was last asked for (a
+// bias outlives its request, as in hardware), and without one the level that it had. What holds a line from
+// outside is stronger than that resistor.
 //
-// Not simulated: write() to the chip itself (its descriptors are read-only), hardware time stamps (EOPNOTSUPP, as
-// on kernels without them), watches by more than 32 opens of the chip at once (ENOMEM). A process that is killed
-// inside a set of several lines may have set only the first of them.
+// Not simulated: write() to the chip itself (its descriptors are read-only), hardware time stamps
+// (EOPNOTSUPP, as on kernels without them), watches by more than 32 opens of the chip at once (ENOMEM). A
+// process that is killed inside a set of several lines may have set only the first of them.
 #pragma once
 
 #include <poll.h>
@@ -74,8 +74,8 @@ struct ChangeCursor {
   std::uint64_t next = 0;
 };
 
-/// A clock for the threads of the rig's own program: rig time (rig_time.hpp) while the chip keeps one, else the machine's.
-/// Thread-safe; of a chip that must outlive it.
+/// A clock for the threads of the rig's own program: rig time (rig_time.hpp) while the chip keeps one, else
+/// the machine's. Thread-safe; of a chip that must outlive it.
 class RigClock {
  public:
   RigClock() = default;  ///< the machine's
@@ -128,8 +128,8 @@ class Chip {
   MonoTime now() const { return clock().now(); }
   RigClock clock() const;
   /// Keeps rig time from now on until this object ends (time_keeper.hpp). Who waits for changes here is the
-  /// rig: its wait_changes() ends at the deadline to the nanosecond, and time waits for what it does then. Before any
-  /// thread that is to take part.
+  /// rig: its wait_changes() ends at the deadline to the nanosecond, and time waits for what it does then.
+  /// Before any thread that is to take part.
   void keep_time(gpio::Pace pace,
                  const std::optional<gpio::TimeKeeper::Repeatable>& repeatable = std::nullopt);
   /// Of rig time: the machine was suspended for so long, and its wall clock is set by as much. False: none

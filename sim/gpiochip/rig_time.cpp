@@ -16,8 +16,8 @@
 namespace strobe::sim::gpio {
 namespace {
 
-// What a real-time thread is charged. On an idle machine a look at the clock costs 17 to 50 ns, a poll of the inputs
-// about 2 us.
+// What a real-time thread is charged. On an idle machine a look at the clock costs 17 to 50 ns, a poll of the
+// inputs about 2 us.
 constexpr std::int64_t kLook = 50;
 constexpr std::int64_t kPoll = 2'000;
 // Other threads look at the clock for nothing, but one that does so over and over waits for it.

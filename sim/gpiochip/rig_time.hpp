@@ -1,21 +1,22 @@
-// The time that all programs of a simulated rig share: as true to each of them as the machine's time is where nothing
-// else runs, and independent of what the machine does beside them.
+// The time that all programs of a simulated rig share: as true to each of them as the machine's time is where
+// nothing else runs, and independent of what the machine does beside them.
 //
-// Time stands still while any thread of theirs runs, but for one that asked for real-time priority and waits with
-// ppoll(2): this one, strobed's loop, advances it by a fixed charge for each look at the clock, whatever the machine takes
-// in between. What all others do takes no time. Once all of them sleep, the keeper (time_keeper.hpp) lets time go on to the earliest
-// instant that any of them waits for and wakes that one alone: ties go to the lowest thread id. So whatever a program
-// does is done at the instant that it waited for, in the same order each time, however busy the machine.
+// Time stands still while any thread of theirs runs, but for one that asked for real-time priority and waits
+// with ppoll(2): this one, strobed's loop, advances it by a fixed charge for each look at the clock, whatever
+// the machine takes in between. What all others do takes no time. Once all of them sleep, the keeper
+// (time_keeper.hpp) lets time go on to the earliest instant that any of them waits for and wakes that one
+// alone: ties go to the lowest thread id. So whatever a program does is done at the instant that it waited
+// for, in the same order each time, however busy the machine.
 //
-// The loop runs on alone until the next instant that somebody else waits for, where it is held until all sleep again.
-// The rig answers each change of a line before the loop goes on. Words that the loop leaves for others (an eventfd) reach
-// them when it sleeps or is held.
+// The loop runs on alone until the next instant that somebody else waits for, where it is held until all
+// sleep again. The rig answers each change of a line before the loop goes on. Words that the loop leaves for
+// others (an eventfd) reach them when it sleeps or is held.
 //
-// Pace::wall lets time go on no faster than the machine's CLOCK_MONOTONIC, and catches up with it: for programs beside
-// the rig that live in the machine's time. Pace::fast waits for nobody.
+// Pace::wall lets time go on no faster than the machine's CLOCK_MONOTONIC, and catches up with it: for
+// programs beside the rig that live in the machine's time. Pace::fast waits for nobody.
 //
-// What waits for an instant are the calls in preload/time.cpp; other waits with a limit (epoll, timerfd, futexes of one's
-// own) end in the machine's time. What cannot be shown is in ../README.md.
+// What waits for an instant are the calls in preload/time.cpp; other waits with a limit (epoll, timerfd,
+// futexes of one's own) end in the machine's time. What cannot be shown is in ../README.md.
 //
 // Thread-safe; of a State in shared memory. Nothing here allocates.
 #pragma once
@@ -51,8 +52,8 @@ void prepare_waits();
 int wait_for(State& state, struct pollfd* polled, nfds_t count, std::int64_t timeout_ns,
              const sigset_t* signals = nullptr);
 
-/// A wait that ends by itself: `slice()` waits for a millisecond of the machine's at most and tells whether it is to
-/// end. False: `until_ns` has come.
+/// A wait that ends by itself: `slice()` waits for a millisecond of the machine's at most and tells whether
+/// it is to end. False: `until_ns` has come.
 template <typename Slice>
 bool wait_in_slices(State& state, std::int64_t until_ns, Slice&& slice);
 
@@ -64,7 +65,8 @@ void note_real_time(bool real_time);
 /// If it did, it is the loop from now on: its looks at the clock are steps, and the rig answers to it.
 void become_loop(State& state);
 bool is_loop();
-/// The loop's write to an eventfd, put off until it sleeps. False: the caller is no loop, or there is no room.
+/// The loop's write to an eventfd, put off until it sleeps. False: the caller is no loop, or there is no
+/// room.
 bool put_off_write(int fd, std::uint64_t value);
 
 /// The rig's thread, once it has seen the ring's changes up to there: sleeps until `until_ns`, or a change.

@@ -44,8 +44,9 @@ struct timespec to_timespec(std::int64_t ns) {
 using ClockFunction = int(clockid_t, struct timespec*);
 std::atomic<ClockFunction*> native_clock{nullptr};
 
-/// libc's: the preloaded library has its own, and a program that has this one may be preloaded with it. Found before the
-/// program begins: dlopen() allocates, and a sanitizer's allocator asks for the time while it holds its lock.
+/// libc's: the preloaded library has its own, and a program that has this one may be preloaded with it. Found
+/// before the program begins: dlopen() allocates, and a sanitizer's allocator asks for the time while it
+/// holds its lock.
 __attribute__((constructor)) void find_native_clock() {
   void* const libc = ::dlopen("libc.so.6", RTLD_LAZY | RTLD_NOLOAD);
   native_clock.store(

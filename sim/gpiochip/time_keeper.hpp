@@ -1,5 +1,5 @@
-// Keeps the time of a rig's programs (rig_time.hpp): once all of them sleep, it lets time go on to the next instant that
-// any thread waits for, and wakes that one. A thread of its own. Start and stop from one thread.
+// Keeps the time of a rig's programs (rig_time.hpp): once all of them sleep, it lets time go on to the next
+// instant that any thread waits for, and wakes that one. A thread of its own. Start and stop from one thread.
 #pragma once
 
 #include <sys/types.h>
@@ -22,7 +22,8 @@ class TimeKeeper {
     std::int64_t start_s = 0;  ///< of CLOCK_MONOTONIC; CLOCK_REALTIME starts as many seconds after 2000-01-01
     std::uint64_t seed = 1;    ///< of what the programs draw (preload/random.cpp)
   };
-  /// From now on time is kept, at first the machine's; it stands still until another program joins (join_time). `state` must outlive the keeper. The calling process takes part.
+  /// From now on time is kept, at first the machine's; it stands still until another program joins
+  /// (join_time). `state` must outlive the keeper. The calling process takes part.
   TimeKeeper(State& state, Pace pace, const std::optional<Repeatable>& repeatable = std::nullopt);
   /// The programs' clocks go on at the machine's pace, from where they are.
   ~TimeKeeper();
@@ -37,7 +38,8 @@ class TimeKeeper {
   std::thread thread_;
 };
 
-/// Whether all threads of some programs sleep, as /proc tells it: a snapshot in which none of them ran. One thread.
+/// Whether all threads of some programs sleep, as /proc tells it: a snapshot in which none of them ran. One
+/// thread.
 class ThreadStates {
  public:
   /// `excepted`: a thread that does not count, the caller's own.
@@ -46,8 +48,9 @@ class ThreadStates {
   /// What it reads of a program's threads is kept until a call without the program.
   void watch(const std::vector<pid_t>& programs);
 
-  /// True if every thread slept, was stopped or dead throughout the call. A thread that waits for the disk does not sleep,
-  /// nor does one that was woken and waits for a core; datagrams on their way through the kernel are waited for.
+  /// True if every thread slept, was stopped or dead throughout the call. A thread that waits for the disk
+  /// does not sleep, nor does one that was woken and waits for a core; datagrams on their way through the
+  /// kernel are waited for.
   bool all_asleep();
 
   /// Of a thread that all_asleep() found running: 0 if it found none.

@@ -45,8 +45,8 @@ namespace fs = std::filesystem;
 constexpr int kTries = 100;
 constexpr std::chrono::milliseconds kTryEvery{100};
 
-/// LD_PRELOAD is split at blanks and colons: a library whose path has some is reached by a link, as long as this program
-/// lives.
+/// LD_PRELOAD is split at blanks and colons: a library whose path has some is reached by a link, as long as
+/// this program lives.
 fs::path preloadable(const fs::path& library) {
   if (library.string().find_first_of(" :") == std::string::npos) return library;
   static const TemporaryFolder folder;

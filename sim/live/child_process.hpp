@@ -22,19 +22,21 @@ namespace strobe::sim {
 void block_child_signals();
 
 /// Starts `command` (looked up in PATH) with these environment variables set and all others kept. The child
-/// is sent SIGTERM if this process dies. Fails if the command cannot be executed. `first`: what the child does before.
+/// is sent SIGTERM if this process dies. Fails if the command cannot be executed. `first`: what the child
+/// does before.
 Result<int> start_child(const std::vector<std::string>& command,
                         const std::vector<std::pair<std::string, std::string>>& environment,
                         const std::function<void()>& first = {});
 
 /// Waits for the child's end, forwarding SIGINT, SIGTERM, SIGHUP and SIGQUIT (but not those that a terminal
-/// sends to the whole foreground, which the child gets anyway). Gives its exit status, or 128 plus the signal that
-/// ended it.
+/// sends to the whole foreground, which the child gets anyway). Gives its exit status, or 128 plus the signal
+/// that ended it.
 int wait_for_child(int pid);
 
 // Starts programs that see a chip's folder as a GPIO chip of the machine and live in its rig's time.
 
-/// start_child() with the library beside this program preloaded. `join`: makes the child take part in rig time.
+/// start_child() with the library beside this program preloaded. `join`: makes the child take part in rig
+/// time.
 Result<int> start_joined(const std::vector<std::string>& command, const std::filesystem::path& chip_folder,
                          const std::function<void()>& join);
 

@@ -1,6 +1,6 @@
-// Runs a rig on a chip: a thread of its own that waits for line changes, hands them to the rig, and drives the inputs as
-// soon as their instants have passed, with their exact stamps. The thread requests SCHED_FIFO priority and continues
-// without it if that is not permitted. Start and stop from one thread.
+// Runs a rig on a chip: a thread of its own that waits for line changes, hands them to the rig, and drives
+// the inputs as soon as their instants have passed, with their exact stamps. The thread requests SCHED_FIFO
+// priority and continues without it if that is not permitted. Start and stop from one thread.
 #pragma once
 
 #include <atomic>

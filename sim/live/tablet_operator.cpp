@@ -8,8 +8,8 @@
 #include <random>
 
 #include "common/messages/channels.hpp"
-#include "common/messages/well_formed.hpp"
 #include "common/messages/lcm_conversions.hpp"
+#include "common/messages/well_formed.hpp"
 #include "common/wire/lcm_url.hpp"
 
 namespace strobe::sim {

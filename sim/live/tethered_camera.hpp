@@ -27,8 +27,8 @@ class TetheredCamera {
   TetheredCamera(const TetheredCamera&) = delete;
   TetheredCamera& operator=(const TetheredCamera&) = delete;
 
-  /// gives_way: rendering uses only the time that the rig and the program under test leave, as it must where they live
-  /// in the machine's.
+  /// gives_way: rendering uses only the time that the rig and the program under test leave, as it must where
+  /// they live in the machine's.
   void start(bool gives_way);
   /// Writes what is still to be written, and ends the thread. The first thing that could not be written.
   Result<void> stop();

@@ -1,5 +1,5 @@
-// Scenes from TOML text, by name, or from files. parse_scene() does no I/O but what a resolver does, the others read files.
-// For program start: allocates.
+// Scenes from TOML text, by name, or from files. parse_scene() does no I/O but what a resolver does, the
+// others read files. For program start: allocates.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,8 @@
-// The true path of one ball: flight to the surface, contact, flight away from it, and so on for as many bounces as
-// the scene says. Touchdown, lift-off, rebound and dwell are the first bounce's. Readouts are compared with
-// it; it shares no code with the reduction. Axes of the surface: x along it in the direction of travel, y up
-// from it, origin under the centre at touchdown; spin counter-clockwise (backspin) positive. Touchdown and
-// lift-off: the centre is one radius above the surface. Plain values, thread-safe.
+// The true path of one ball: flight to the surface, contact, flight away from it, and so on for as many
+// bounces as the scene says. Touchdown, lift-off, rebound and dwell are the first bounce's. Readouts are
+// compared with it; it shares no code with the reduction. Axes of the surface: x along it in the direction of
+// travel, y up from it, origin under the centre at touchdown; spin counter-clockwise (backspin) positive.
+// Touchdown and lift-off: the centre is one radius above the surface. Plain values, thread-safe.
 #pragma once
 
 #include <array>
@@ -53,7 +53,8 @@ class BallPath {
   struct Place {
     double x_m = 0.0, y_m = 0.0;
   };
-  /// Of the centre in flight after the contact, within a centimetre, at a fifth of at()'s cost; else that of at().
+  /// Of the centre in flight after the contact, within a centimetre, at a fifth of at()'s cost; else that of
+  /// at().
   Place roughly_at(double time_s) const;
 
   /// Whether the ball is in the air there with its centre lower than at touchdown: it would have met the

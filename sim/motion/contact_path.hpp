@@ -12,7 +12,8 @@
 //
 // Each further effect needs the ones before it, so that those marked (nothing) are without one.
 //   offset           off: the normal force stands under the centre
-//   contact_gravity  off: no weight in contact. On: both parts of it, that towards the surface and that along an
+//   contact_gravity  off: no weight in contact. On: both parts of it, that towards the surface and that along
+//   an
 //                    inclined plate, which changes vx by up to g·dwell·sin(angle): .01 m/s at 12 degrees.
 //
 // The ODE's ball is released where its normal force is zero, the spring still compressed by
@@ -27,8 +28,8 @@
 // differs from it as balls differ.
 //
 // A scene whose law is `grip`: common/impact's grip() and the damped sine; only grip and offset can be left
-// out of it. (The sine's net force has the weight towards the surface in it, and nothing of the ODE is there to
-// leave out; sim/effects/unmodelled.hpp bounds the weight's part along an inclined plate.)
+// out of it. (The sine's net force has the weight towards the surface in it, and nothing of the ODE is there
+// to leave out; sim/effects/unmodelled.hpp bounds the weight's part along an inclined plate.)
 //
 // Plain values, thread-safe. Only the ODE's path allocates.
 #pragma once

@@ -41,15 +41,16 @@ class Flight {
   /// tennis balls in usual air; it grows with the fifth power of q·|v| and of c·|v|.
   FlightState at(double time_s) const;
 
-  /// What at() gives for each, to the last bit; instants near each other are integrated side by side, in hardly more
-  /// time than one.
+  /// What at() gives for each, to the last bit; instants near each other are integrated side by side, in
+  /// hardly more time than one.
   using Instants = std::array<double, 4>;
   std::array<FlightState, 4> at(const Instants& time_s) const;
 
   /// Within a centimetre for any ball in any air after the start, at a fifth of at()'s cost.
   FlightState roughly_at(double time_s) const;
 
-  /// When it is at the height of its start again, which it leaves upwards. Returns nullopt if not within two seconds.
+  /// When it is at the height of its start again, which it leaves upwards. Returns nullopt if not within two
+  /// seconds.
   std::optional<double> time_back_down_s() const;
 
   /// When, going back from the start, the centre was at `x_m`. Returns nullopt if it was not within a minute.

@@ -60,7 +60,8 @@ cv::Point2d distorted(const std::array<double, 4>& lens, cv::Point2d p) {
           p.y * radial + lens[2] * (r2 + 2.0 * p.y * p.y) + 2.0 * lens[3] * p.x * p.y};
 }
 
-/// (x/z, y/z) of a place of the photograph, by fixed-point iteration: a factor of ten a step for ordinary lenses.
+/// (x/z, y/z) of a place of the photograph, by fixed-point iteration: a factor of ten a step for ordinary
+/// lenses.
 cv::Point2d ray_of(const BoardCamera& camera, cv::Point2d image_px) {
   const cv::Point2d seen = (image_px - lens_centre(camera)) * (1.0 / camera.focal_px);
   cv::Point2d p = seen;
@@ -92,7 +93,8 @@ double whiteness(const Board& board, const cv::Point2d (&corner)[4]) {
   bool same = black(board, centre) == first;
   for (int i = 1; i < 4; ++i) same = same && black(board, corner[i]) == first;
   if (same) return first ? 0.0 : 1.0;
-  // A Fibonacci lattice: an edge along the rows or columns would meet a square one's points a whole row at a time.
+  // A Fibonacci lattice: an edge along the rows or columns would meet a square one's points a whole row at a
+  // time.
   constexpr int kSamples = 233, kStep = 144;
   int white = 0;
   for (int i = 0; i < kSamples; ++i) {

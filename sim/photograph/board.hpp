@@ -1,5 +1,5 @@
-// Photographs of a printed calibration board, through a pinhole with a distorting lens, and where each of its points
-// truly is. For trying calibrations. Deterministic by the seed; thread-safe; allocates.
+// Photographs of a printed calibration board, through a pinhole with a distorting lens, and where each of its
+// points truly is. For trying calibrations. Deterministic by the seed; thread-safe; allocates.
 #pragma once
 
 #include <array>
@@ -31,7 +31,8 @@ struct Board {
   double spacing_m = 0.02;    ///< side of a square; of discs, their distance along a row
 };
 
-/// The board's middle in front of the lens, turned about x (down), y (left) and z (in its plane), in that order.
+/// The board's middle in front of the lens, turned about x (down), y (left) and z (in its plane), in that
+/// order.
 struct BoardPlace {
   double distance_m = 1.0;
   std::array<double, 2> aside_m{};  ///< to the right and down from the optical axis
@@ -59,14 +60,15 @@ BoardPhotograph photograph_board(const BoardCamera& camera, const Board& board, 
 std::string board_truth_json(const BoardCamera& camera, const Board& board, const BoardPlace& place,
                              const BoardPhotograph& photograph, const std::string& file);
 
-/// A calibration board seen by a scene's camera, as a lab photographs one before its balls. Pure; thread-safe.
+/// A calibration board seen by a scene's camera, as a lab photographs one before its balls. Pure;
+/// thread-safe.
 struct BoardView {
   BoardCamera camera;  ///< the scene's: size, scale, the lens's place and distortion
   BoardPlace place;    ///< in the balls' plane, in the middle of the photograph
 };
 
-/// A scene whose lens is infinitely far away gets one that is 100 m away: perspective then moves a ball's outline by less
-/// than a thousandth of its diameter.
+/// A scene whose lens is infinitely far away gets one that is 100 m away: perspective then moves a ball's
+/// outline by less than a thousandth of its diameter.
 BoardView board_view(const Scene& scene);
 
 }  // namespace strobe::sim

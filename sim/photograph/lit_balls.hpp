@@ -43,8 +43,8 @@ std::array<double, 2> light_of_all(const Exposure& exposure, const Appearance& a
 std::vector<Vec2> outline_on_sensor(const Optics& optics, const Vec3& centre, double radius_m, int points);
 
 // True values of a photograph's images. Coordinates are plane px: those of a frame, as on
-// the photograph (x the column, y upwards from the middle of the lowest row) but with the lens's distortion and the
-// camera's tilt undone; perspective is left as it is. Thread-safe; allocates.
+// the photograph (x the column, y upwards from the middle of the lowest row) but with the lens's distortion
+// and the camera's tilt undone; perspective is left as it is. Thread-safe; allocates.
 
 /// One image of the ball.
 struct ImageTruth {

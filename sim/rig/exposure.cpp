@@ -77,7 +77,8 @@ class Film {
     if (blend.time < ball_.released) return true;
     const double time_s = to_seconds(blend.time - ball_.touchdown);
     if (last_view_ == View::above && surely_above(time_s)) return false;
-    // The whole light of a flash costs little more than its begin; where the ball is out of sight that is enough.
+    // The whole light of a flash costs little more than its begin; where the ball is out of sight that is
+    // enough.
     if (last_view_ != View::seen && judge(time_s, ball_.path.at(time_s)) != View::seen)
       return last_view_ == View::left;
     const auto [begin, mean] = ball_.path.lit(time_s, flash_s_);

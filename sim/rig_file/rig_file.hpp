@@ -1,5 +1,5 @@
-// The rig file of a simulated rig: what strobed and the host have to know of a scene, as a person would write it after
-// measuring the rig. Text only; pure; thread-safe.
+// The rig file of a simulated rig: what strobed and the host have to know of a scene, as a person would write
+// it after measuring the rig. Text only; pure; thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -17,13 +17,14 @@ struct RigFileSettings {
   std::filesystem::path photographs;  ///< the camera's folder; empty: none, a person digitizes them
 };
 
-/// Lines, delays, lags, ball, camera and plan of the scene, each with its unit and a remark. Where balls are slow or
-/// fast the plan's period and exposure follow: about 51 mm between flashes, while they cross the view. The same scene and
-/// settings give the same text; paths are written as they are given.
+/// Lines, delays, lags, ball, camera and plan of the scene, each with its unit and a remark. Where balls are
+/// slow or fast the plan's period and exposure follow: about 51 mm between flashes, while they cross the
+/// view. The same scene and settings give the same text; paths are written as they are given.
 std::string rig_file_text(const Scene& scene, const RigFileSettings& settings);
 
-/// Writes the text to `file`, and makes its folder and the photographs'; paths that lead into its folder are written from
-/// there. A file that holds the same text stays; fails if there is another, or if it cannot be written.
+/// Writes the text to `file`, and makes its folder and the photographs'; paths that lead into its folder are
+/// written from there. A file that holds the same text stays; fails if there is another, or if it cannot be
+/// written.
 Result<void> write_rig_file(const std::filesystem::path& file, const Scene& scene, RigFileSettings settings);
 
 }  // namespace strobe::sim

@@ -1,5 +1,5 @@
-// Which effects a simulation computes, and how exactly the contact. The full model has all that the scene has;
-// sim/effects leaves out those that change no readout by more than is tolerated. Plain values.
+// Which effects a simulation computes, and how exactly the contact. The full model has all that the scene
+// has; sim/effects leaves out those that change no readout by more than is tolerated. Plain values.
 #pragma once
 
 #include <array>

@@ -37,8 +37,8 @@ struct PhotographSettings {
   double second_flash = 0.0;         ///< 0…0.9, part of a flash's light that comes in a second discharge
   double second_flash_s = 30e-6;     ///< key second_flash_us 0…400: so much later; the truth is of the mean
   double ambient = 0.0;              ///< 0…0.9; light of the room while the shutter was open
-  /// Key setup = "drawn" | "steady": what is drawn of lamps, lens, ball and background, anew for each photograph or once
-  /// for the rig.
+  /// Key setup = "drawn" | "steady": what is drawn of lamps, lens, ball and background, anew for each
+  /// photograph or once for the rig.
   bool steady = false;
 };
 
@@ -70,8 +70,8 @@ struct BackgroundSettings {
   std::optional<double> plate_half_length_m;  ///< 0.05…5; drawn: 1.05…1.3 of the camera's half width
   double clutter = 0.3;  ///< 0…3, how much stands about: clamps, blocks, cables, reflections
   int blobs = 0;         ///< 0…20, bright things of up to a ball's size in the view
-  /// 1…100,000: the brightness is that of so many flashes of both lamps, each of which adds its light; 0 (key absent): of
-  /// every exposure, however many there were.
+  /// 1…100,000: the brightness is that of so many flashes of both lamps, each of which adds its light; 0 (key
+  /// absent): of every exposure, however many there were.
   int flashes = 0;
 };
 

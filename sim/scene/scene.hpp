@@ -144,12 +144,13 @@ struct ShutterSettings {
   double open_lag_s = 0.045;   ///< line active to open
   double close_lag_s = 0.045;  ///< line inactive to closed
   double lag_sd_s = 0.1e-3;
-  /// Key longest_open_ms 1…60,000; 0 (key absent): the line alone closes it. A camera that is not set to bulb.
+  /// Key longest_open_ms 1…60,000; 0 (key absent): the line alone closes it. A camera that is not set to
+  /// bulb.
   double longest_open_s = 0.0;
 };
 
-/// [hand] A ball that a person drops onto the plate, in every exposure for which the machine throws none. Only an
-/// exposure that lasts until touchdown_s shows it.
+/// [hand] A ball that a person drops onto the plate, in every exposure for which the machine throws none.
+/// Only an exposure that lasts until touchdown_s shows it.
 struct HandSettings {
   double drop_height_m =
       0.0;  ///< 0.01…10, of its lowest point over the plate; 0 (key absent): nobody drops one
@@ -174,8 +175,9 @@ struct CameraSettings {
   bool mirrored = false;        ///< seen from the other side: the ball travels to the left
   double distance_m = 0.0;      ///< lens to that plane; 0 (key absent): infinitely far
   double off_plane_sd_m = 0.0;  ///< key off_plane_sd_mm: how far from that plane balls fly, towards the lens
-  /// The camera turned about the middle of its view, to its right (swing_deg) and then up (tilt_deg), -30…30: lengths in
-  /// the plane then have another scale at either end of the photograph. They need a distance_m, without distortion.
+  /// The camera turned about the middle of its view, to its right (swing_deg) and then up (tilt_deg), -30…30:
+  /// lengths in the plane then have another scale at either end of the photograph. They need a distance_m,
+  /// without distortion.
   double swing_rad = 0.0;
   double tilt_rad = 0.0;
   double distortion = 0.0;  ///< radial: displaced by distortion·(r/half diagonal of the view)²·r, outwards

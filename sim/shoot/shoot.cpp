@@ -40,9 +40,10 @@ struct Window {
   double after_s = 0.0;
 };
 
-/// How long the balls of a scene are in the camera's view: from its mean ball, with margins for the spread of speed, angle
-/// and the machine's lag at kLargestNormal standard deviations, and a flash's period on either side. Each side at most
-/// 0.25 s before lag and period are added. A ball that comes back into view, falling, is not waited for.
+/// How long the balls of a scene are in the camera's view: from its mean ball, with margins for the spread of
+/// speed, angle and the machine's lag at kLargestNormal standard deviations, and a flash's period on either
+/// side. Each side at most 0.25 s before lag and period are added. A ball that comes back into view, falling,
+/// is not waited for.
 Window crossing_window(const Scene& scene, double period_s) {
   const Scene mean = without_spread(scene);
   const auto path = BallPath::make(mean, draw_shot_conditions(mean, 1, 1));

@@ -30,7 +30,8 @@ struct ShootSettings {
   /// (spreads of speed, angle and lag included), but before and after the impact not more than 0.25 s and the
   /// margins for lag and period.
   Duration exposure{};
-  /// When the flashes are commanded, from the first, ascending; instead of period and exposure. Empty: an even train.
+  /// When the flashes are commanded, from the first, ascending; instead of period and exposure. Empty: an
+  /// even train.
   std::vector<Duration> train{};
   bool perfect_digitizer = false;  ///< the frame states the tablet's noise but has none
 };

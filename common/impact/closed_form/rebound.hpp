@@ -102,8 +102,9 @@ struct Rebound {
   double offset_m = 0.0;       ///< offset of the normal force that acted, along +x
 };
 
-/// The regime that a measurement of this rebound tells, by regime_of_exact(): `grips` too where friction at its limit
-/// changed vx by all that rolling takes, which may be less than what a grip with tangential restitution takes.
+/// The regime that a measurement of this rebound tells, by regime_of_exact(): `grips` too where friction at
+/// its limit changed vx by all that rolling takes, which may be less than what a grip with tangential
+/// restitution takes.
 Regime regime_of(const ball::Ball& ball, const Motion& touchdown, const Rebound& rebound);
 
 /// Rigid body: slides throughout (thesis eq. 9–12) unless friction suffices to make it roll (eq. 14, 15 for

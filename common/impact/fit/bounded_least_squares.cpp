@@ -201,7 +201,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Eigenvalues of I - H below this: the cluster alone determines a parameter, and its residual there is rounding.
+/// Eigenvalues of I - H below this: the cluster alone determines a parameter, and its residual there is
+/// rounding.
 constexpr double kNoResidual = 1e-6;
 
 /// The symmetric matrix that gives the residuals of a cluster the variance of its errors: (I - H)^(-1/2).
@@ -213,8 +214,8 @@ MatrixXd bias_reduction(const MatrixXd& leverage) {
   return axes.eigenvectors() * factors.asDiagonal() * axes.eigenvectors().transpose();
 }
 
-/// Satterthwaite's: of the quadratic form whose eigenvalues are those of the Gram matrix of `terms`, twice the square of
-/// its mean over its variance.
+/// Satterthwaite's: of the quadratic form whose eigenvalues are those of the Gram matrix of `terms`, twice
+/// the square of its mean over its variance.
 double satterthwaite(const MatrixXd& terms) {
   const MatrixXd gram = terms.transpose() * terms;
   const double spread = gram.squaredNorm();

@@ -29,8 +29,9 @@ struct LeastSquaresProblem {
   double function_tolerance = 0.0;
 };
 
-/// The Jacobian, where the problem has no derivatives by finite differences: central, or three-point one-sided within a step of a bound. About 1e-10
-/// relative where the residuals are smooth and in full double precision.
+/// The Jacobian, where the problem has no derivatives by finite differences: central, or three-point
+/// one-sided within a step of a bound. About 1e-10 relative where the residuals are smooth and in full double
+/// precision.
 Eigen::MatrixXd jacobian(const LeastSquaresProblem& problem, const Eigen::VectorXd& at);
 
 /// Why a search stopped.
@@ -81,27 +82,29 @@ LeastSquaresResult minimize_smooth(const LeastSquaresProblem& problem, const Eig
 std::optional<Eigen::MatrixXd> unscaled_covariance(const Eigen::MatrixXd& jacobian,
                                                    double rank_tolerance = 1e-13);
 
-// The covariance of a least squares fit from its residuals, that holds whatever their variances and however those of a
-// cluster are correlated: the cluster-robust sandwich with the bias reduction CR2, and for each parameter the degrees of
-// freedom of Student's t (Satterthwaite), which are few where few clusters determine it.
-// Sources: R. Bell and D. McCaffrey, Survey Methodology 28, 2002; J. Pustejovsky and E. Tipton, Journal of Business &
-// Economic Statistics 36, 2018. CR2 with clusters of one residual is HC2. Pure; thread-safe; allocates.
+// The covariance of a least squares fit from its residuals, that holds whatever their variances and however
+// those of a cluster are correlated: the cluster-robust sandwich with the bias reduction CR2, and for each
+// parameter the degrees of freedom of Student's t (Satterthwaite), which are few where few clusters determine
+// it. Sources: R. Bell and D. McCaffrey, Survey Methodology 28, 2002; J. Pustejovsky and E. Tipton, Journal
+// of Business & Economic Statistics 36, 2018. CR2 with clusters of one residual is HC2. Pure; thread-safe;
+// allocates.
 
 struct ClusteredCovariance {
   Eigen::MatrixXd covariance;
   Eigen::VectorXd degrees_of_freedom;  ///< of each parameter's variance, 1 or more
 };
 
-/// Of a Jacobian of full rank and the residuals, both weighted, alike and independent but for the clusters' own errors.
-/// `clusters`: for each its rows; every row is in one cluster.
+/// Of a Jacobian of full rank and the residuals, both weighted, alike and independent but for the clusters'
+/// own errors. `clusters`: for each its rows; every row is in one cluster.
 ClusteredCovariance clustered_covariance(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals,
                                          const std::vector<std::vector<Eigen::Index>>& clusters);
 
-/// A variance of fewer degrees of freedom has itself an sd above half of it: by chance it may be far too small.
+/// A variance of fewer degrees of freedom has itself an sd above half of it: by chance it may be far too
+/// small.
 inline constexpr double kFewDegrees = 8.0;
 
-/// Least share of the common variance that a robust one of so many degrees of freedom is taken to be: where they are few
-/// all of it, else what would not be reached once in fifty were the residuals like all.
+/// Least share of the common variance that a robust one of so many degrees of freedom is taken to be: where
+/// they are few all of it, else what would not be reached once in fifty were the residuals like all.
 double least_robust_share(double degrees_of_freedom);
 
 /// The rows of residuals in pairs, vx and spin of each observation, by the clusters of observations.

@@ -1,8 +1,8 @@
-// The contact ODE fitted to measured conditions by plain least squares, without priors: the normal spring and dashpot of
-// each follow from its restitution and dwell time; five parameters are common to all: mu, k_t/k, c_t, the offset over
-// the footprint's radius and the ball's alpha (bounded_least_squares.hpp). Kept beside fit() (model_fit.hpp) since the
-// thesis's tables and the defaults of ContactCoefficients rest on it. Allocates; thread-safe; some 20 ms for 21
-// conditions.
+// The contact ODE fitted to measured conditions by plain least squares, without priors: the normal spring and
+// dashpot of each follow from its restitution and dwell time; five parameters are common to all: mu, k_t/k,
+// c_t, the offset over the footprint's radius and the ball's alpha (bounded_least_squares.hpp). Kept beside
+// fit() (model_fit.hpp) since the thesis's tables and the defaults of ContactCoefficients rest on it.
+// Allocates; thread-safe; some 20 ms for 21 conditions.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,8 @@
 
 namespace strobe::impact {
 
-/// Means of a condition with the sds of single shots; e from the means of vy, which carry more digits than the table's e.
+/// Means of a condition with the sds of single shots; e from the means of vy, which carry more digits than
+/// the table's e.
 Observation observation_of(const thesis::Condition& condition);
 
 enum ContactParameter : int { kFitMu, kFitStiffness, kFitDamping, kFitOffset, kFitAlpha, kFitParameters };

@@ -33,7 +33,8 @@ class ContactPosterior {
   /// Of the Laplace approximation: the scale matrix of a t distribution with degrees_of_freedom().
   const Eigen::MatrixXd& scale() const { return scale_; }
   double degrees_of_freedom() const { return freedom_; }
-  /// Of each parameter's own Student's t where CovarianceScale::clustered says so; the scale allows for it at 95 %.
+  /// Of each parameter's own Student's t where CovarianceScale::clustered says so; the scale allows for it at
+  /// 95 %.
   const Eigen::VectorXd& own_degrees_of_freedom() const { return own_freedom_; }
   /// Up to a constant; -infinity where the contact cannot be computed.
   double log_density(const Eigen::VectorXd& coordinates) const;
@@ -81,8 +82,8 @@ void ContactPosterior::find_scale(const MatrixXd& jac, const VectorXd& residuals
   adjust(information);
 }
 
-/// With L the root of the information, C turns the sphere Lᵀ(x - mode) into that of the scale, by the symmetric root, which
-/// turns least.
+/// With L the root of the information, C turns the sphere Lᵀ(x - mode) into that of the scale, by the
+/// symmetric root, which turns least.
 void ContactPosterior::adjust(const MatrixXd& information) {
   const MatrixXd root = information.llt().matrixL();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(root.transpose() * scale_ * root);

@@ -30,7 +30,8 @@ constexpr int kMaxReweightings = 12;
 constexpr double kProfileTolerance =
     1e-9;  ///< of a sum of squares whose rise by a hundredth and more matters
 constexpr double kPoolingLevel = 0.25;
-/// Shots beyond the first of their series: two residuals each, so that the mean square within has an sd of half of it.
+/// Shots beyond the first of their series: two residuals each, so that the mean square within has an sd of
+/// half of it.
 constexpr double kFewestRepetitions = 4.0;
 
 /// Those of the closed forms come first.
@@ -123,7 +124,8 @@ VectorXd Fitter::whitened_at(const VectorXd& at) const {
   return out;
 }
 
-/// The share is 1 - sd within / sd of a mean times the root of n, so that what is left has the same variance everywhere.
+/// The share is 1 - sd within / sd of a mean times the root of n, so that what is left has the same variance
+/// everywhere.
 void Fitter::demean(VectorXd& residuals) const {
   if (!scatters()) return;
   for (const auto& series : series_) {

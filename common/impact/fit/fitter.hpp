@@ -1,5 +1,5 @@
-// The search of a rebound model's least sum of squares: weights, scatter between conditions, starts. What fit() is made of.
-// Deterministic; thread-safe; allocates.
+// The search of a rebound model's least sum of squares: weights, scatter between conditions, starts. What
+// fit() is made of. Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <Eigen/Dense>
@@ -17,12 +17,13 @@ std::vector<std::vector<std::size_t>> series_of(std::span<const Observation> obs
 
 /// A fit in progress: the free parameters and the weights of the residuals.
 ///
-/// With CovarianceScale::clustered the shots of a series may share what the model misses there. Whether they do, the mean
-/// squares of the residuals between and within the series tell, by an F-test at the level of .25 that is usual for
-/// pooling (T. Bancroft, Biometrics 20, 1964). If so each series is a cluster with a random effect, whose variance over
-/// that of the weighted residuals is estimated (P. Swamy and S. Arora, Econometrica 40, 1972) and taken into account by
-/// quasi-demeaning (W. Fuller and G. Battese, Journal of Econometrics 2, 1974): each residual less a share of its
-/// cluster's mean. If not, each shot is a cluster of its own.
+/// With CovarianceScale::clustered the shots of a series may share what the model misses there. Whether they
+/// do, the mean squares of the residuals between and within the series tell, by an F-test at the level of .25
+/// that is usual for pooling (T. Bancroft, Biometrics 20, 1964). If so each series is a cluster with a random
+/// effect, whose variance over that of the weighted residuals is estimated (P. Swamy and S. Arora,
+/// Econometrica 40, 1972) and taken into account by quasi-demeaning (W. Fuller and G. Battese, Journal of
+/// Econometrics 2, 1974): each residual less a share of its cluster's mean. If not, each shot is a cluster of
+/// its own.
 class Fitter {
  public:
   /// The arguments must outlive it; they passed the checks of fit().
@@ -46,11 +47,12 @@ class Fitter {
   Eigen::VectorXd free_values() const;
   Termination termination() const { return termination_; }  ///< of the last search
 
-  /// Weighted residuals, predicted less measured: two for each observation; for ode, after them one for each parameter by
-  /// its prior. `at` are coordinates (rebound_model.hpp).
+  /// Weighted residuals, predicted less measured: two for each observation; for ode, after them one for each
+  /// parameter by its prior. `at` are coordinates (rebound_model.hpp).
   Eigen::VectorXd residuals_at(const Eigen::VectorXd& at) const;
   double chi2() const;
-  /// Of the weights: the logarithm of the determinant of the residuals' covariance, which chi2 lacks of -2 log likelihood.
+  /// Of the weights: the logarithm of the determinant of the residuals' covariance, which chi2 lacks of -2
+  /// log likelihood.
   double log_determinant() const;
   /// chi2/dof; 0 where the residuals are within rounding.
   double reduced(double chi2, int dof) const;

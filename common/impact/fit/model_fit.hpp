@@ -28,11 +28,13 @@ enum class Weighting {
 };
 
 enum class CovarianceScale {
-  /// From the residuals, whatever their variances and however alike the shots of a series are: bounded_least_squares.hpp,
+  /// From the residuals, whatever their variances and however alike the shots of a series are:
+  /// bounded_least_squares.hpp,
   /// each series a cluster. What misfits of the model and scatter of the conditions add is in it.
   clustered,
-  residuals,  ///< times chi2/dof: the residuals are independent, their variances as the weights have them (dof >= 1)
-  stated,  ///< that of the weights: valid if no other errors exist (chi2/dof near 1)
+  residuals,  ///< times chi2/dof: the residuals are independent, their variances as the weights have them
+              ///< (dof >= 1)
+  stated,     ///< that of the weights: valid if no other errors exist (chi2/dof near 1)
 };
 
 constexpr std::string_view name(CovarianceScale scale) {
@@ -56,8 +58,8 @@ constexpr std::string_view name(PosteriorMethod method) {
 struct PosteriorOptions {
   PosteriorMethod method = PosteriorMethod::automatic;
   std::uint64_t seed = 1;
-  /// 50 or more; metropolis: three halves of it in each of four chains. 0: as many as some seconds allow, 8000 for a few
-  /// shots, down to 1500.
+  /// 50 or more; metropolis: three halves of it in each of four chains. 0: as many as some seconds allow,
+  /// 8000 for a few shots, down to 1500.
   int draws = 0;
   sampling::Progress progress{};
 };
@@ -88,9 +90,10 @@ enum class ParameterStatus {
   /// changes with the parameter.
   at_lower_bound,
   at_upper_bound,
-  /// ode: the data hardly tell it, the prior does (kUntoldShare). Others: nothing changes with it at the minimum; or mu, where noise alone may explain that a contact seems to slide: all
-  /// may grip (likelihood ratio below that of 3.5 sd); or e_x, where all may slide. `limit` is then the lower end of a
-  /// one-sided interval of kLimitLevel, and the value the one with the least chi2.
+  /// ode: the data hardly tell it, the prior does (kUntoldShare). Others: nothing changes with it at the
+  /// minimum; or mu, where noise alone may explain that a contact seems to slide: all may grip (likelihood
+  /// ratio below that of 3.5 sd); or e_x, where all may slide. `limit` is then the lower end of a one-sided
+  /// interval of kLimitLevel, and the value the one with the least chi2.
   undetermined,
 };
 
@@ -106,11 +109,12 @@ inline constexpr double kIntervalLevel = 0.95;  ///< of the two-sided intervals
 struct FittedParameter {
   double value = 0.0;
   ParameterStatus status = ParameterStatus::fixed;
-  /// Fitted only. With CovarianceScale::clustered scaled by Student's t, so that it holds 68 % of the deviations.
+  /// Fitted only. With CovarianceScale::clustered scaled by Student's t, so that it holds 68 % of the
+  /// deviations.
   std::optional<double> sd;
   std::optional<double> limit;  ///< see ParameterStatus
-  /// The interval of kIntervalLevel where fitted (profile_interval()): an end is absent where nothing speaks against any value
-  /// up to the parameter's bound. Else one end is the limit.
+  /// The interval of kIntervalLevel where fitted (profile_interval()): an end is absent where nothing speaks
+  /// against any value up to the parameter's bound. Else one end is the limit.
   std::optional<double> lower;
   std::optional<double> upper;
   std::optional<double> degrees_of_freedom;  ///< of Student's t in sd, limit and interval
@@ -185,8 +189,8 @@ tl::expected<ModelFit, FitFailure> fit(std::span<const Observation> observations
 
 // Checks of the inputs of fit(). Pure; thread-safe.
 
-/// What is wrong with one observation: invalid_observation (no impact has such numbers) or invalid_sd. `at`: its place,
-/// for the failure. Returns nullopt if nothing is.
+/// What is wrong with one observation: invalid_observation (no impact has such numbers) or invalid_sd. `at`:
+/// its place, for the failure. Returns nullopt if nothing is.
 std::optional<FitFailure> find_observation_failure(const Observation& observation, std::size_t at,
                                                    const FitOptions& options);
 

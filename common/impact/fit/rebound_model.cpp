@@ -19,8 +19,8 @@ constexpr double kMaxReference_mps = 100.0;
 /// Least share of vy and of the dwell time that an input moved by its sd keeps.
 constexpr double kMinShare = 1e-3;
 
-/// What is measured is the time until the centre is one radius above the surface again. The ball leaves before, still
-/// compressed by 2·zeta/sqrt(k/m) of its speed (normal_spring.hpp).
+/// What is measured is the time until the centre is one radius above the surface again. The ball leaves
+/// before, still compressed by 2·zeta/sqrt(k/m) of its speed (normal_spring.hpp).
 double share_until_release(double e) {
   const auto zeta = damping_ratio_from_restitution(e);
   return zeta ? 1.0 / (1.0 + 2.0 * *zeta / release_phase(*zeta)) : 1.0;

@@ -101,8 +101,8 @@ void add_measured(const Observation& o, double alpha, double radius, RegimeClass
     out.measured = Regime::slides;
 }
 
-/// The rule of RegimeClassification, with the regime that the predicted velocities tell. Friction that is undetermined
-/// says nothing for sure.
+/// The rule of RegimeClassification, with the regime that the predicted velocities tell. Friction that is
+/// undetermined says nothing for sure.
 void reconcile(Regime told, RegimeClassification& r) {
   r.regime = r.measured == told ? told : r.predicted;
   if (r.measured == Regime::unclear || r.measured == r.regime) return;

@@ -22,9 +22,10 @@ struct FunctionValue {
   double value = 0.0;
 };
 
-/// A bracketed root by regula falsi with the Illinois rule (M. Dowell and P. Jarratt, BIT 11, 1971), for functions that are
-/// costly and about straight: the end of the last bracket on the side of `second`, whose value has the other sign than that of `first` or is 0.
-/// Done when the ends are within `tolerance`, or the value is 0.
+/// A bracketed root by regula falsi with the Illinois rule (M. Dowell and P. Jarratt, BIT 11, 1971), for
+/// functions that are costly and about straight: the end of the last bracket on the side of `second`, whose
+/// value has the other sign than that of `first` or is 0. Done when the ends are within `tolerance`, or the
+/// value is 0.
 template <typename Function>
 FunctionValue regula_falsi(Function function, FunctionValue first, FunctionValue second, double tolerance) {
   assert((first.value > 0.0) != (second.value > 0.0) || second.value == 0.0);
@@ -87,8 +88,8 @@ struct Interval {
   std::optional<double> upper;
 };
 
-/// `sd` sets the step, the sum of squares at `sd` from the value of a linear model; `t` the interval's ends in sds. `unit`: the
-/// rise of the sum of squares at one sd.
+/// `sd` sets the step, the sum of squares at `sd` from the value of a linear model; `t` the interval's ends
+/// in sds. `unit`: the rise of the sum of squares at one sd.
 Interval profile_interval(const Fitter& least, Parameter parameter, double sd, double unit, double t) {
   const double value = least.values()[index(parameter)];
   if (!(unit > 0.0) || !(sd > 0.0)) return {value, value};
@@ -104,7 +105,8 @@ constexpr double kSlidingEvidence = 12.0;
 constexpr double kLimitTolerance = 1e-7;  ///< relative
 constexpr double kStepDown = 0.05;        ///< first step to the limit, of the range down to the lower bound
 
-/// Likelihoods with the weights that each fit gives the residuals, the variance known or estimated from the better one.
+/// Likelihoods with the weights that each fit gives the residuals, the variance known or estimated from the
+/// better one.
 bool may_be_noise(const Fitter& least, const Fitter& without) {
   const double chi2 = least.chi2(), rise = without.chi2() - chi2;
   const double weights = without.log_determinant() - least.log_determinant();
@@ -115,8 +117,8 @@ bool may_be_noise(const Fitter& least, const Fitter& without) {
   return variance > 0.0 && between * std::log1p(rise / (variance * between)) + weights < kSlidingEvidence;
 }
 
-/// The largest value that some contact depends on: that of mu which the contact with the most friction needs. Of e_x, its
-/// upper bound.
+/// The largest value that some contact depends on: that of mu which the contact with the most friction needs.
+/// Of e_x, its upper bound.
 double largest_that_matters(const Fitter& fitter, Parameter parameter) {
   const FitOptions& options = fitter.options();
   if (parameter != Parameter::mu) return upper_bound(parameter, 0.5 * options.diameter_m);
@@ -127,8 +129,8 @@ double largest_that_matters(const Fitter& fitter, Parameter parameter) {
   return largest;
 }
 
-/// The root of the sum of squares under a value of the parameter, from the best fit under the last one: it rises about
-/// linearly beyond what the contacts allow.
+/// The root of the sum of squares under a value of the parameter, from the best fit under the last one: it
+/// rises about linearly beyond what the contacts allow.
 class RootOfSquares {
  public:
   RootOfSquares(const Fitter& fitter, Parameter parameter) : fitter_(fitter), parameter_(parameter) {}
@@ -144,14 +146,15 @@ class RootOfSquares {
   Parameter parameter_;
 };
 
-/// The value below `high` below which the sum of squares has risen by `rise`, bracketed downwards; the lower bound if it
-/// rises nowhere so far.
+/// The value below `high` below which the sum of squares has risen by `rise`, bracketed downwards; the lower
+/// bound if it rises nowhere so far.
 double crossing(const Fitter& fitter, Parameter parameter, double high, double rise) {
   RootOfSquares root(fitter, parameter);
   const double level = std::sqrt(fitter.chi2() + rise);
   const double least = lower_bound(parameter);
   const double tolerance = kLimitTolerance * std::abs(high);
-  // What was found on the way down: from another start the same value may end in another valley, above the level, too.
+  // What was found on the way down: from another start the same value may end in another valley, above the
+  // level, too.
   FunctionValue below{high, std::sqrt(fitter.chi2()) - level}, low = below;
   for (double step = kStepDown * (high - least); low.at > least && !(low.value > 0.0); step *= 2.0) {
     below = low;
@@ -162,15 +165,15 @@ double crossing(const Fitter& fitter, Parameter parameter, double high, double r
   return regula_falsi([&](double value) { return root(value) - level; }, low, below, tolerance).at;
 }
 
-/// Of a fit at its least sum of squares, for mu and e_x: the lower end of a one-sided interval of kLimitLevel where noise
-/// alone may have made a contact look as if it slid (mu) or gripped (e_x). Returns nullopt if the parameter is not fitted,
-/// or such a contact is there: then it has a value.
+/// Of a fit at its least sum of squares, for mu and e_x: the lower end of a one-sided interval of kLimitLevel
+/// where noise alone may have made a contact look as if it slid (mu) or gripped (e_x). Returns nullopt if the
+/// parameter is not fitted, or such a contact is there: then it has a value.
 ///
-/// Where all grip the sum of squares does not depend on mu, but has its least just below what the contact with the most
-/// friction needs: its noise is then fitted by a little sliding. Likewise for e_x where all slide. So the likelihood
-/// ratio of that least to the best fit with the parameter at its upper bound decides, the variance being that of the
-/// residuals (of the clusters where they scatter). The limit is where the sum of squares has risen over that of
-/// either by the square of Student's t, the lower of the two.
+/// Where all grip the sum of squares does not depend on mu, but has its least just below what the contact
+/// with the most friction needs: its noise is then fitted by a little sliding. Likewise for e_x where all
+/// slide. So the likelihood ratio of that least to the best fit with the parameter at its upper bound
+/// decides, the variance being that of the residuals (of the clusters where they scatter). The limit is where
+/// the sum of squares has risen over that of either by the square of Student's t, the lower of the two.
 std::optional<double> limit_without_evidence(const Fitter& least, Parameter parameter) {
   if (!least.fits(parameter)) return std::nullopt;
   Fitter without = least.with_fixed(parameter, upper_bound(parameter, 0.5 * least.options().diameter_m));
@@ -285,8 +288,8 @@ class Uncertainty {
     return {fit_.variance_scale, static_cast<double>(std::max(1, fitter_.degrees_of_freedom_between()))};
   }
 
-  /// The robust variance, but not what is small by chance: where few clusters determine the parameter at least the common
-  /// one, else the least that the common one would let expect.
+  /// The robust variance, but not what is small by chance: where few clusters determine the parameter at
+  /// least the common one, else the least that the common one would let expect.
   std::vector<VarianceRatio> ratios_of(const MatrixXd& columns, const MatrixXd& unscaled,
                                        MatrixXd& correlated) const {
     std::vector<VarianceRatio> out(static_cast<std::size_t>(columns.cols()), common_ratio());

@@ -8,8 +8,8 @@ struct Integrals {
   double couple = 0.0, cosine = 0.0, sine = 0.0;
 };
 
-/// Of the polynomials from the segment's start to the share `c` of it: of all three only where it grips, a slipping one
-/// has no others.
+/// Of the polynomials from the segment's start to the share `c` of it: of all three only where it grips, a
+/// slipping one has no others.
 Integrals integrals(const Segment& segment, double c) {
   const double t = 2.0 * c - 1.0;
   const bool grips = segment.mode == ContactMode::grips;

@@ -1,9 +1,10 @@
-// One segment of a contact solved by collocation (contact_collocation.hpp): the tangential motion under one law
-// of friction, in contact_system.hpp's units, as functions of the only unknown, the impulse D of the offset's
-// couple. With P = dvx - g_x·t, which is friction's impulse, alpha·dw - P = D at all times:
+// One segment of a contact solved by collocation (contact_collocation.hpp): the tangential motion under one
+// law of friction, in contact_system.hpp's units, as functions of the only unknown, the impulse D of the
+// offset's couple. With P = dvx - g_x·t, which is friction's impulse, alpha·dw - P = D at all times:
 //   slipping: P changes by -sigma·mu times the normal impulse; the stretch is that of a spring and dashpot
 //     under the damped sine mu·N;
-//   gripping: u'' + 2b·u' + (b² + omega2)·u = D'/alpha + g_x, by variation of constants about the stretch that holds
+//   gripping: u'' + 2b·u' + (b² + omega2)·u = D'/alpha + g_x, by variation of constants about the stretch
+//   that holds
 //     the weight.
 // Pure, no allocation: thread-safe, real-time safe.
 #pragma once
@@ -40,8 +41,8 @@ struct CollocationConstants {
   double rest = 0.0;                                     ///< stretch of a grip that holds the weight
   double particular_depth = 0.0, particular_rate = 0.0;  ///< of the stretch under N: g + p·(y - g) + r·y'
 
-  /// Returns nullopt where the closed forms do not hold: a weight that is a large part of the force, or a dashpot
-  /// whose stretch decays as the normal force does.
+  /// Returns nullopt where the closed forms do not hold: a weight that is a large part of the force, or a
+  /// dashpot whose stretch decays as the normal force does.
   static std::optional<CollocationConstants> make(const System& system) {
     const auto normal = NormalMotion::make(system);
     if (!normal) return std::nullopt;
@@ -112,7 +113,8 @@ struct Segment {
   NormalState from;
   TangentialState start;
   std::size_t nodes = 0;
-  /// Legendre coefficients of D' along the segment, per share of it; gripping, of exp(2bt)·W·D' and exp(2bt)·S·D'.
+  /// Legendre coefficients of D' along the segment, per share of it; gripping, of exp(2bt)·W·D' and
+  /// exp(2bt)·S·D'.
   std::array<double, kMaxNodes> couple, cosine, sine;
   std::array<NodeSample, kMaxNodes> samples;
   double used = 1.0;  ///< share of it up to where friction changed its law

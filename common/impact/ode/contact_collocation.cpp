@@ -53,10 +53,11 @@ class Collocation {
  private:
   static constexpr int kMaxAttempts = 12;
   static constexpr int kMaxGrazingAttempts = 4;
-  /// Growth of exp(b·t) and of the hyperbolic functions within a segment: what the difference of its ends loses.
+  /// Growth of exp(b·t) and of the hyperbolic functions within a segment: what the difference of its ends
+  /// loses.
   static constexpr double kMaxGrowth = 4.0;
-  /// Decay, within a segment, of what the stretch of a slip began with: Gauss's rule of n nodes integrates its square
-  /// to 1e-10 with 8 nodes and 1e-14 with 12.
+  /// Decay, within a segment, of what the stretch of a slip began with: Gauss's rule of n nodes integrates
+  /// its square to 1e-10 with 8 nodes and 1e-14 with 12.
   static constexpr double kMaxDecay = n <= 8 ? 3.0 : 5.0;
 
   /// Where the depth passes the radius, up and down: the footprint's law changes.
@@ -95,7 +96,8 @@ class Collocation {
     return 1.0 / std::max({growth / kMaxGrowth, turns, 1e-300});
   }
 
-  /// Solves from here to `x` in the present mode, even if that looks hopeless where a longer segment was solved.
+  /// Solves from here to `x` in the present mode, even if that looks hopeless where a longer segment was
+  /// solved.
   bool solve_to(double x, bool persist = false) {
     segment_.mode = mode_;
     segment_.x = x_;
@@ -169,8 +171,8 @@ class Collocation {
     return false;
   }
 
-  /// Leaves the segment at the event, by its polynomial. Returns false if that is not near `found`: the law's own
-  /// polynomial does not resolve it there.
+  /// Leaves the segment at the event, by its polynomial. Returns false if that is not near `found`: the law's
+  /// own polynomial does not resolve it there.
   bool switch_inside(double found) {
     const FrictionLaw law(c_, mode_);
     double share = found;
@@ -191,9 +193,9 @@ class Collocation {
     return false;
   }
 
-  /// Solves again up to the event; once more where the polynomial missed it. An error of the time at which one
-  /// friction follows the other, to which it is then equal, counts by its square. Where energies are asked for, the
-  /// time itself counts: without a dashpot the stretch jumps by what the law is missed by.
+  /// Solves again up to the event; once more where the polynomial missed it. An error of the time at which
+  /// one friction follows the other, to which it is then equal, counts by its square. Where energies are
+  /// asked for, the time itself counts: without a dashpot the stretch jumps by what the law is missed by.
   bool switch_near(double x) {
     const FrictionLaw law(c_, mode_);
     for (int i = 0; i < 6; ++i) {
@@ -232,8 +234,8 @@ class Collocation {
     return {low * high > 0.0 ? std::min(a, b) : 0.0, std::max(a, b), high - low};
   }
 
-  /// Where the spin changes by several times its distance from the couple's poles, at ± i·w0, what they add is small
-  /// against the whole and falls off more slowly: then the last coefficients count by themselves.
+  /// Where the spin changes by several times its distance from the couple's poles, at ± i·w0, what they add
+  /// is small against the whole and falls off more slowly: then the last coefficients count by themselves.
   double error_of_segment(const Spins& w) const {
     const double at_end = solver_.error_at_end();
     if (along_) return std::max(at_end, solver_.error_along());
@@ -242,8 +244,8 @@ class Collocation {
     return by_poles ? std::max(at_end, solver_.error_along()) : at_end;
   }
 
-  /// The offset turns round with the spin within w0 of 0, where the couple has its poles. The Legendre coefficients
-  /// see that if the nodes do; none is before the first and after the last of them.
+  /// The offset turns round with the spin within w0 of 0, where the couple has its poles. The Legendre
+  /// coefficients see that if the nodes do; none is before the first and after the last of them.
   bool spin_resolved(const Spins& w) const {
     if (s_.delta == 0.0 || s_.ahead != 0.0) return true;
     const double w_ref2 = s_.w_ref * s_.w_ref;

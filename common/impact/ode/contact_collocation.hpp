@@ -1,8 +1,9 @@
-// Implementation of contact_ode.hpp: the contact by collocation. The normal motion is a damped sine in closed form
-// (normal_motion.hpp); gripping or slipping, all of the tangential motion follows from one unknown, the impulse of the
-// offset's couple (collocation_segment.hpp), which is found as a fixed point on Gauss–Legendre nodes
-// (segment_solver.hpp). A segment ends where friction changes its law or the footprint its own; its length is halved
-// until the last Legendre coefficients are small enough. Pure, no allocation: thread-safe, real-time safe.
+// Implementation of contact_ode.hpp: the contact by collocation. The normal motion is a damped sine in closed
+// form (normal_motion.hpp); gripping or slipping, all of the tangential motion follows from one unknown, the
+// impulse of the offset's couple (collocation_segment.hpp), which is found as a fixed point on Gauss–Legendre
+// nodes (segment_solver.hpp). A segment ends where friction changes its law or the footprint its own; its
+// length is halved until the last Legendre coefficients are small enough. Pure, no allocation: thread-safe,
+// real-time safe.
 #pragma once
 
 #include <optional>
@@ -53,9 +54,9 @@ std::optional<ContactSummary> summary_of(const CollocationConstants& constants,
                                          const CollocatedContact& contact, const Segments& segments);
 
 /// Returns nullopt where the integrator has to take over: a weight, a reference speed, a stiffness for which
-/// the segments would be too many. `segments`, if not null, receives them; `along`: the error control is that of
-/// every point of a segment, not of its end, and the segments have their coefficients; otherwise only their samples,
-/// which go beyond where friction changed its law.
+/// the segments would be too many. `segments`, if not null, receives them; `along`: the error control is that
+/// of every point of a segment, not of its end, and the segments have their coefficients; otherwise only
+/// their samples, which go beyond where friction changed its law.
 std::optional<CollocatedContact> collocate(const CollocationConstants& constants, double tolerance,
                                            bool along, Segments* segments);
 

@@ -278,7 +278,8 @@ ContactSummary ContactIntegrator::summary() const {
 /// Events are in order of time, and no loss of energy is negative beyond the tolerance of its scale. With a
 /// constant offset losses are not bounded.
 bool ContactIntegrator::is_consistent(const ContactSummary& summary) const {
-  // Speeds are in units of the touchdown's, so each is known to some roundings of 1; the energy of such an error.
+  // Speeds are in units of the touchdown's, so each is known to some roundings of 1; the energy of such an
+  // error.
   constexpr double kRoundedEnergy = 1.3e-29;  // (16 · 2.2e-16)²
   const auto events = summary.event_list();
   const bool sorted =

@@ -11,8 +11,8 @@ namespace detail {
 
 namespace {
 
-/// The point of low…high where the function, of opposite signs there, is 0, to `enough` of it: false position with the
-/// Illinois weights, and a bisection every fourth time.
+/// The point of low…high where the function, of opposite signs there, is 0, to `enough` of it: false position
+/// with the Illinois weights, and a bisection every fourth time.
 template <typename Function>
 double zero_of(const Function& f, double low, double at_low, double high, double at_high, double enough) {
   int side = 0;

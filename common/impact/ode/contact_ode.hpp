@@ -16,26 +16,29 @@
 // instant. With
 //   E = m(vx² + vy² + alpha·R²·omega²)/2 + k·y²/2 + k_t·u²/2 - m·g·y - m·g_x·x:
 //   dE/dt = -c(dy/dt)² - F(s - du/dt) - c_t(du/dt)² + d·N·omega,
-// each term <= 0 (F and s - du/dt have the same sign), so energy never grows. g and g_x are the weight's parts towards
-// the surface and along it, 0 by default. A mirrored contact (vx, omega and g_x reversed) is the mirror image to the last
-// bit.
+// each term <= 0 (F and s - du/dt have the same sign), so energy never grows. g and g_x are the weight's
+// parts towards the surface and along it, 0 by default. A mirrored contact (vx, omega and g_x reversed) is
+// the mirror image to the last bit.
 //
-// Numerics, in units of |vy|, sqrt(m/k) and m, as changes since touchdown, so that no range of speeds loses digits.
+// Numerics, in units of |vy|, sqrt(m/k) and m, as changes since touchdown, so that no range of speeds loses
+// digits.
 //
-// dormand_prince, the reference and what takes over where collocation gives up: the embedded pair 5(4) with the error of
-// speeds, displacements and energies within the tolerance. Mode changes and the release are bracketed on the step's
-// cubic Hermite interpolant and then located to rounding by repeating the step with that size, so that no step spans a
-// change of mode and the method keeps its order; likewise friction reversals, the deepest point and the largest force.
-// Where rounding decides between grip and slip, the present mode is kept for 1e-7 of sqrt(m/k).
+// dormand_prince, the reference and what takes over where collocation gives up: the embedded pair 5(4) with
+// the error of speeds, displacements and energies within the tolerance. Mode changes and the release are
+// bracketed on the step's cubic Hermite interpolant and then located to rounding by repeating the step with
+// that size, so that no step spans a change of mode and the method keeps its order; likewise friction
+// reversals, the deepest point and the largest force. Where rounding decides between grip and slip, the
+// present mode is kept for 1e-7 of sqrt(m/k).
 //
-// collocation, the main method: the normal motion is a damped sine in closed form, and with it, gripping or slipping, all tangential
-// motion but the impulse of the offset's couple, which is a fixed point on Gauss–Legendre nodes (segment_solver.hpp).
-// Segments end where friction changes its law; their error is that of the last Legendre coefficients. Where that would
-// take too many (grips that decay within a small part of the contact, w0 far below |vy|) or the closed forms do not
-// hold (a weight of a tenth and more of the largest force, dashpots whose stretch decays as the normal force does) the
-// result is dormand_prince's to 1e-12, and says so: its steps may miss how sharply an offset turns round. The energies'
-// sums are good to the tolerance, but not better than 1e-8 of m·|vy| times the speeds that change (1e-5 with tolerances
-// above 3e-8); max_friction_n to the tolerance's root.
+// collocation, the main method: the normal motion is a damped sine in closed form, and with it, gripping or
+// slipping, all tangential motion but the impulse of the offset's couple, which is a fixed point on
+// Gauss–Legendre nodes (segment_solver.hpp). Segments end where friction changes its law; their error is that
+// of the last Legendre coefficients. Where that would take too many (grips that decay within a small part of
+// the contact, w0 far below |vy|) or the closed forms do not hold (a weight of a tenth and more of the
+// largest force, dashpots whose stretch decays as the normal force does) the result is dormand_prince's to
+// 1e-12, and says so: its steps may miss how sharply an offset turns round. The energies' sums are good to
+// the tolerance, but not better than 1e-8 of m·|vy| times the speeds that change (1e-5 with tolerances above
+// 3e-8); max_friction_n to the tolerance's root.
 //
 // No allocation in simulate() and lift_off(); thread-safe, real-time safe.
 // Sources: R. Cross, Grip-slip behavior of a bouncing ball, 2002 (tangential spring, grip and slip); E.

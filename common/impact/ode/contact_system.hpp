@@ -66,8 +66,9 @@ struct System {
   double friction(const State& z, ContactMode mode) const;
   /// Of the centre along the surface since touchdown.
   double path(double tau, double path_change) const { return vx0 * tau + path_change; }
-  /// Scale of the changes that a contact of a few units of time makes to the tangential motion, at least the least
-  /// whose inverse is finite: friction's, no more than what stops the slip, the offset's and the weight's.
+  /// Scale of the changes that a contact of a few units of time makes to the tangential motion, at least the
+  /// least whose inverse is finite: friction's, no more than what stops the slip, the offset's and the
+  /// weight's.
   double tangential_scale() const;
   /// d/R of the normal force, along +x.
   double offset(const State& z) const;
@@ -86,7 +87,8 @@ tl::expected<System, InputError> make_system(const ball::Ball& ball, const Motio
 
 /// In SI units, of the state at release: all but regime, end of skidding and method.
 ContactLiftOff lift_off_of(const System& system, const State& z, double tau);
-/// Likewise, but for what is lost on the way: the kinetic energies, what is left in the springs, the weight's work.
+/// Likewise, but for what is lost on the way: the kinetic energies, what is left in the springs, the weight's
+/// work.
 ContactEnergy energy_at_release(const System& system, const State& z, double tau);
 
 State derivative(const System& system, const State& z, ContactMode mode);

@@ -1,7 +1,7 @@
-// Dense output of the contact ODE. By an integrator the steps of simulate() are stored, and a state between two of
-// them is one step of the method from the one before it, as accurate as the steps themselves. By collocation the
-// segments are stored, solved to the tolerance along their whole length, and a state is that of their closed forms.
-// make() allocates for the steps; at() does not allocate. Thread-safe for reading.
+// Dense output of the contact ODE. By an integrator the steps of simulate() are stored, and a state between
+// two of them is one step of the method from the one before it, as accurate as the steps themselves. By
+// collocation the segments are stored, solved to the tolerance along their whole length, and a state is that
+// of their closed forms. make() allocates for the steps; at() does not allocate. Thread-safe for reading.
 #pragma once
 
 #include <memory>
@@ -60,10 +60,10 @@ class ContactTrajectory {
   std::vector<detail::Segment> segments_;
 };
 
-// Lift-off and the motion at a few instants of a contact, at little more than the cost of lift_off(): by collocation an
-// instant is the end of a segment, solved anew up to it from the start of the one in which it lies, to the tolerance of
-// lift_off(). For many instants, forces and energies: ContactTrajectory.
-// make() allocates; at() does not. Thread-safe for reading.
+// Lift-off and the motion at a few instants of a contact, at little more than the cost of lift_off(): by
+// collocation an instant is the end of a segment, solved anew up to it from the start of the one in which it
+// lies, to the tolerance of lift_off(). For many instants, forces and energies: ContactTrajectory. make()
+// allocates; at() does not. Thread-safe for reading.
 
 class ContactTrajectory;
 

@@ -1,5 +1,5 @@
-// Implementation of contact_collocation.hpp: the law of friction along a solved segment, positive where it holds, and
-// where it is first broken. Pure, no allocation: thread-safe, real-time safe.
+// Implementation of contact_collocation.hpp: the law of friction along a solved segment, positive where it
+// holds, and where it is first broken. Pure, no allocation: thread-safe, real-time safe.
 #pragma once
 
 #include <limits>
@@ -9,7 +9,8 @@
 
 namespace strobe::impact::detail {
 
-/// Gripping mu·N - |F|; slipping what |F| of a grip would exceed mu·N by, without a dashpot how fast it would.
+/// Gripping mu·N - |F|; slipping what |F| of a grip would exceed mu·N by, without a dashpot how fast it
+/// would.
 class FrictionLaw {
  public:
   FrictionLaw(const CollocationConstants& constants, ContactMode mode)
@@ -109,8 +110,8 @@ class LawAlongSegment {
 
   double at_end() const { return law_[n]; }
 
-  /// A mode that has just begun may be broken by as much as the last was not yet when it ended, or was already.
-  /// Returns false if it is broken by more before its first node.
+  /// A mode that has just begun may be broken by as much as the last was not yet when it ended, or was
+  /// already. Returns false if it is broken by more before its first node.
   bool accept_start(double switch_law) {
     if (!just_switched_) return true;
     for (std::size_t i = 0; i <= n && law_[i] < 0.0; ++i) {
@@ -120,8 +121,8 @@ class LawAlongSegment {
     return true;
   }
 
-  /// A law that flattens out before the sample where it is broken may have been broken and kept again between two
-  /// samples, all of which fall: that takes nodes nearer to each other.
+  /// A law that flattens out before the sample where it is broken may have been broken and kept again between
+  /// two samples, all of which fall: that takes nodes nearer to each other.
   bool may_graze() const {
     std::size_t broken = 2;
     while (broken <= n && !(law_[broken] < -noise_)) ++broken;
@@ -130,8 +131,8 @@ class LawAlongSegment {
     return slope(broken) > 0.5 * slope(broken - 1) && law_[broken - 1] < 0.1 * limit_[broken - 1];
   }
 
-  /// The share of the segment where the law is first broken, by the polynomial through its nodes. Returns nullopt if
-  /// it holds throughout.
+  /// The share of the segment where the law is first broken, by the polynomial through its nodes. Returns
+  /// nullopt if it holds throughout.
   std::optional<double> find_event() {
     double before = start_law_;
     for (std::size_t i = 0; i <= n; ++i) {
@@ -209,8 +210,8 @@ class LawAlongSegment {
     return std::nullopt;
   }
 
-  /// Share at which the law is just broken. An error of the time at which one friction follows the other, to which
-  /// it is then equal, counts by its square: to the root of the tolerance.
+  /// Share at which the law is just broken. An error of the time at which one friction follows the other, to
+  /// which it is then equal, counts by its square: to the root of the tolerance.
   double root(double low, double high, double at_low, double at_high) {
     const double enough = enough_;
     for (int i = 0; i < 60 && high - low > enough; ++i) {

@@ -1,6 +1,6 @@
-// Gauss–Legendre collocation on 0…1: nodes, weights, integrals of the interpolating polynomial up to each node,
-// and its Legendre coefficients. Computed by the compiler in long double, so that each entry is rounded once.
-// Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, II.7.
+// Gauss–Legendre collocation on 0…1: nodes, weights, integrals of the interpolating polynomial up to each
+// node, and its Legendre coefficients. Computed by the compiler in long double, so that each entry is rounded
+// once. Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, II.7.
 #pragma once
 
 #include <array>
@@ -31,7 +31,8 @@ constexpr LegendreValues<n> legendre(long double t) {
 
 template <std::size_t n>
 struct GaussLegendre {
-  /// The nodes, the end, and where that makes an odd number the end again: even for instructions that take two.
+  /// The nodes, the end, and where that makes an odd number the end again: even for instructions that take
+  /// two.
   static constexpr std::size_t points = (n + 2) / 2 * 2;
   using Row = std::array<double, n>;
   using Points = std::array<double, points>;
@@ -94,7 +95,8 @@ struct GaussLegendre {
 template <std::size_t n>
 inline constexpr GaussLegendre<n> kGaussLegendre{};
 
-/// P_(k+1) = up·t·P_k - down·P_(k-1); the integral of P_k over a share of 0…1 is integral·(P_(k+1) - P_(k-1)).
+/// P_(k+1) = up·t·P_k - down·P_(k-1); the integral of P_k over a share of 0…1 is integral·(P_(k+1) -
+/// P_(k-1)).
 template <std::size_t n>
 struct LegendreRecurrence {
   std::array<double, n> up{}, down{}, integral{};
@@ -111,7 +113,8 @@ struct LegendreRecurrence {
 template <std::size_t n>
 inline constexpr LegendreRecurrence<n> kRecurrence{};
 
-/// Two numbers that one instruction of every processor that runs this takes at once; the order of sums is fixed.
+/// Two numbers that one instruction of every processor that runs this takes at once; the order of sums is
+/// fixed.
 using Pair = double __attribute__((vector_size(16)));
 
 inline Pair pair_at(const double* from) {

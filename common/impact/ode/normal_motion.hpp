@@ -54,9 +54,9 @@ inline Oscillation oscillation(double omega2, double t) {
 
 // The motion normal to the surface in closed form, gravity included, in contact_system.hpp's units:
 //   y = g + exp(-zeta·tau)·(-g·C + (1 - g·zeta)·S),   dy/dtau = exp(-zeta·tau)·(C + (g - zeta)·S),
-// C and S the solutions of v'' + (1 - zeta²)·v = 0. Along x, with tau = T·x²(3 - 2x) and T where y next is 0, the
-// footprint's radius (a root of y) is smooth at touchdown and at release. With heavy damping, where the ball
-// leaves long before y is 0, tau = x²·tau_release. Pure, no allocation: thread-safe, real-time safe.
+// C and S the solutions of v'' + (1 - zeta²)·v = 0. Along x, with tau = T·x²(3 - 2x) and T where y next is 0,
+// the footprint's radius (a root of y) is smooth at touchdown and at release. With heavy damping, where the
+// ball leaves long before y is 0, tau = x²·tau_release. Pure, no allocation: thread-safe, real-time safe.
 
 struct NormalState {
   double tau = 0.0;
@@ -66,7 +66,8 @@ struct NormalState {
 
 class NormalMotion {
  public:
-  /// Returns nullopt where the weight is too large a part of the force for the release to be near that without it.
+  /// Returns nullopt where the weight is too large a part of the force for the release to be near that
+  /// without it.
   static std::optional<NormalMotion> make(const System& system);
 
   double release_tau() const { return release_; }
@@ -89,8 +90,8 @@ class NormalMotion {
     return n.tau + (0.5 * gravity_ * n.tau * n.tau - n.depth);
   }
 
-  /// Where the depth passes `depth`, by Newton's method from `tau`, on whose side of it the deepest point is not: the
-  /// depth bends down throughout a contact.
+  /// Where the depth passes `depth`, by Newton's method from `tau`, on whose side of it the deepest point is
+  /// not: the depth bends down throughout a contact.
   double passes(double depth, double tau) const;
 
   /// Where the depth is largest; where the force is, 0 if that is at touchdown.

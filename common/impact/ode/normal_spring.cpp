@@ -20,7 +20,8 @@ double arc_over_chord(double zeta) {
   return below > 0.0 ? std::acos(zeta) / std::sqrt(below) : std::acosh(zeta) / std::sqrt(-below);
 }
 
-/// zeta with (pi/2 - delta)·tan(delta) = half_log < 1/2, zeta = sin(delta): keeps the digits of light damping.
+/// zeta with (pi/2 - delta)·tan(delta) = half_log < 1/2, zeta = sin(delta): keeps the digits of light
+/// damping.
 double light_damping(double half_log) {
   // To 1e-7 of delta; each step of Newton's method squares that.
   constexpr std::array<double, 8> fit{0.636619828269,  0.258011938896, 0.123037469069,  0.0746285756596,

@@ -1,7 +1,8 @@
-// The two solutions of v'' + 2b·v' + f·v = 0, whichever its damping, at several times at once: S with S(0) = 0, S'(0) =
-// 1; its rate V = S'; W = V + 2b·S has W(0) = 1, W'(0) = 0. Taylor's series of the time halved until 0.8 of the fastest
-// decay or turn remains, then doubled as often. Without a branch or a library's function in its loops: compilers
-// take several times in one instruction, and all give the same bits. Pure, no allocation: thread-safe, real-time safe.
+// The two solutions of v'' + 2b·v' + f·v = 0, whichever its damping, at several times at once: S with S(0) =
+// 0, S'(0) = 1; its rate V = S'; W = V + 2b·S has W(0) = 1, W'(0) = 0. Taylor's series of the time halved
+// until 0.8 of the fastest decay or turn remains, then doubled as often. Without a branch or a library's
+// function in its loops: compilers take several times in one instruction, and all give the same bits. Pure,
+// no allocation: thread-safe, real-time safe.
 #pragma once
 
 #include <array>
@@ -97,9 +98,9 @@ class DampedSeries {
   std::array<double, terms> s_, v_;
 };
 
-// What a segment's solution (segment_solver.hpp) needs of time alone, at the nodes and at the end: the normal motion,
-// the couple it may have, and how the tangential motion would go on without that couple.
-// Pure, no allocation: thread-safe, real-time safe.
+// What a segment's solution (segment_solver.hpp) needs of time alone, at the nodes and at the end: the normal
+// motion, the couple it may have, and how the tangential motion would go on without that couple. Pure, no
+// allocation: thread-safe, real-time safe.
 
 /// `terms`: of DampedSeries.
 template <std::size_t n, std::size_t terms>
@@ -130,7 +131,8 @@ class SegmentNodes {
   /// Without the couple since the segment's start.
   alignas(16) Points free_spin, free_slip, free_stretch;
   alignas(16) Points friction;  ///< slipping: its impulse
-  /// Gripping: the solutions (damped_series.hpp), and the weights of the integrals of exp(2bt)·S·D', exp(2bt)·W·D'.
+  /// Gripping: the solutions (damped_series.hpp), and the weights of the integrals of exp(2bt)·S·D',
+  /// exp(2bt)·W·D'.
   alignas(16) Points sine, cosine_rate, cosine, of_sine, of_cosine;
 
  private:

@@ -1,5 +1,5 @@
-// Solves one segment (collocation_segment.hpp) on n Gauss–Legendre nodes: the fixed point D = integral of K·h(w(D))
-// by Picard's iteration. At the segment's end the result is of order 2n, along it of order n + 1.
+// Solves one segment (collocation_segment.hpp) on n Gauss–Legendre nodes: the fixed point D = integral of
+// K·h(w(D)) by Picard's iteration. At the segment's end the result is of order 2n, along it of order n + 1.
 // Pure, no allocation: thread-safe, real-time safe.
 #pragma once
 
@@ -19,15 +19,15 @@ class SegmentSolver {
   SegmentSolver(const CollocationConstants& constants, double allowed)
       : c_(constants), allowed_(allowed), nodes_(constants) {}
 
-  /// Solves the segment from its x, size, mode, from, start to `to`, its end. Returns false if the iteration does
-  /// not converge; unless told to persist, also if its first values are resolved kHopeless times less than allowed.
-  /// to.depth and to.rate are filled.
+  /// Solves the segment from its x, size, mode, from, start to `to`, its end. Returns false if the iteration
+  /// does not converge; unless told to persist, also if its first values are resolved kHopeless times less
+  /// than allowed. to.depth and to.rate are filled.
   bool solve(const Segment& segment, NormalState& to, bool persist);
 
-  /// Of the last solve: error of D at the segment's end, estimated from the last two Legendre coefficients. Where
-  /// they fall geometrically from a, that of P_0, to e, that of P_(n-2), that of P_2n, the first which Gauss's rule
-  /// misses, is e·(e/a)^((n+2)/(n-2)); the power is rounded down to a root. What a pole near the segment adds is
-  /// small but falls off more slowly: their last fall, from P_(n-4) on, goes on.
+  /// Of the last solve: error of D at the segment's end, estimated from the last two Legendre coefficients.
+  /// Where they fall geometrically from a, that of P_0, to e, that of P_(n-2), that of P_2n, the first which
+  /// Gauss's rule misses, is e·(e/a)^((n+2)/(n-2)); the power is rounded down to a root. What a pole near the
+  /// segment adds is small but falls off more slowly: their last fall, from P_(n-4) on, goes on.
   double error_at_end() const;
   /// Of D between the nodes: e itself.
   double error_along() const { return last_; }
@@ -105,8 +105,8 @@ bool SegmentSolver<n, terms>::solve(const Segment& segment, NormalState& to, boo
   return true;
 }
 
-/// K·h(w) at the nodes without the couple. Returns what a sweep makes of a change of D: the integral of its slope, half
-/// because D grows along with that integral.
+/// K·h(w) at the nodes without the couple. Returns what a sweep makes of a change of D: the integral of its
+/// slope, half because D grows along with that integral.
 template <std::size_t n, std::size_t terms>
 double SegmentSolver<n, terms>::first_values() {
   spin_ = nodes_.free_spin;

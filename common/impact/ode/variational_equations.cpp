@@ -9,8 +9,8 @@ namespace strobe::impact::detail {
 
 namespace {
 
-/// (sine - t·cosine)/omega2 of an Oscillation, whatever sign omega2 has: -2 times the derivative of the sine with respect
-/// to omega2. By its series where the difference would lose digits.
+/// (sine - t·cosine)/omega2 of an Oscillation, whatever sign omega2 has: -2 times the derivative of the sine
+/// with respect to omega2. By its series where the difference would lose digits.
 double turned_sine(double omega2, double t, const Oscillation& o) {
   const double z = omega2 * t * t;
   if (!(std::abs(z) <= 0.1)) return (o.sine - t * o.cosine) / omega2;
@@ -19,8 +19,8 @@ double turned_sine(double omega2, double t, const Oscillation& o) {
          (1.0 / 3.0 - z * (1.0 / 30.0 - z * (1.0 / 840.0 - z * (1.0 / 45360.0 - z * (1.0 / 3991680.0)))));
 }
 
-/// A grip without couple about the stretch that holds the weight, exp(-b·t)·(first·C + second·S), and how it changes with
-/// b and with omega2, its stretch at the start kept.
+/// A grip without couple about the stretch that holds the weight, exp(-b·t)·(first·C + second·S), and how it
+/// changes with b and with omega2, its stretch at the start kept.
 struct FreeGrip {
   double stretch, slip;
   double stretch_by_b, slip_by_b, stretch_by_omega2, slip_by_omega2;
@@ -39,8 +39,8 @@ struct FreeGrip {
   }
 };
 
-/// The share of the friction's limit that the stretch of a long slip comes to, depth·(y - g) + rate·y' + g, and its
-/// derivatives with respect to i = c_t/k_t.
+/// The share of the friction's limit that the stretch of a long slip comes to, depth·(y - g) + rate·y' + g,
+/// and its derivatives with respect to i = c_t/k_t.
 struct ParticularStretch {
   double depth, rate, depth_by_i, rate_by_i;
 
@@ -241,7 +241,8 @@ void VariationalEquations::solve_grip(const Segment& segment, const GripStart& s
   sum(kByAlong, by_along);
 }
 
-/// The weights of the right-hand sides from those of the solution: by the transposed matrix, with the largest pivot.
+/// The weights of the right-hand sides from those of the solution: by the transposed matrix, with the largest
+/// pivot.
 void VariationalEquations::solve() {
   if (s_.delta == 0.0) return;
   const std::size_t n = nodes_;

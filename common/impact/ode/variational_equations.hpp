@@ -1,15 +1,16 @@
-// The variational equations of a contact solved by collocation: the derivatives of the tangential motion, at a fixed time,
-// with respect to the dimensionless inputs of contact_system.hpp that a contact's coefficients change, carried from
-// segment to segment.
+// The variational equations of a contact solved by collocation: the derivatives of the tangential motion, at
+// a fixed time, with respect to the dimensionless inputs of contact_system.hpp that a contact's coefficients
+// change, carried from segment to segment.
 //
 // Along a segment the derivative d of the couple's rate, D' = G·h(w), is the only unknown:
 //   d = G·h'(w)·dw + dG·h(w) + G·dh,   dw = (dD + dP)/alpha + ..., dD the integral of d,
-// and slipping dP is known, gripping it follows from d by variation of constants, as the motion itself does. At the nodes
-// of the segment this is a linear system, M·d = r, with one matrix for all inputs. Of d only sums at the segment's end are
-// asked for, weights·d: the transposed system gives the weights of r, three of them for however many inputs.
+// and slipping dP is known, gripping it follows from d by variation of constants, as the motion itself does.
+// At the nodes of the segment this is a linear system, M·d = r, with one matrix for all inputs. Of d only
+// sums at the segment's end are asked for, weights·d: the transposed system gives the weights of r, three of
+// them for however many inputs.
 //
-// At an event the friction is equal under both laws, and so is the motion's derivative. A segment that ends `late` after
-// its event carries the old law's derivatives too far, which is put right to the square of that.
+// At an event the friction is equal under both laws, and so is the motion's derivative. A segment that ends
+// `late` after its event carries the old law's derivatives too far, which is put right to the square of that.
 // Pure, no allocation: thread-safe, real-time safe.
 #pragma once
 
@@ -64,8 +65,8 @@ class VariationalEquations {
 
  private:
   using Nodes = std::array<double, kMaxNodes>;
-  /// What is asked for at a segment's end: the couple's impulse since its start, and gripping the two integrals of
-  /// variation of constants.
+  /// What is asked for at a segment's end: the couple's impulse since its start, and gripping the two
+  /// integrals of variation of constants.
   enum End : std::size_t { kImpulse, kCosine, kSine, kEnds };
   using Ends = std::array<double, kEnds>;
 

@@ -3,7 +3,8 @@
 //
 // Data association with many hypotheses: a hypothesis assigns a flash to every image. Its weight is its
 // posterior probability, proportional to exp(-d/2) with
-//   d = chi squared of both legs' flight (the images' noise, the errors in time and of the air's pull, and each leg's
+//   d = chi squared of both legs' flight (the images' noise, the errors in time and of the air's pull, and
+//   each leg's
 //       position and velocity free)
 //     + -2 ln of the share of images that are not found, for every flash within the path without an image
 //     + the penalties of contact_match.hpp for a bounce that balls do not make, and for images in contact

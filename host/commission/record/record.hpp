@@ -1,5 +1,6 @@
-// The record of commissioning: RIG.commission.jsonl, one JSON object a line for each step that was done, appended and
-// on the disk before the next one begins. Pure functions but where said; thread-safe; they allocate.
+// The record of commissioning: RIG.commission.jsonl, one JSON object a line for each step that was done,
+// appended and on the disk before the next one begins. Pure functions but where said; thread-safe; they
+// allocate.
 #pragma once
 
 #include <filesystem>
@@ -51,15 +52,16 @@ inline constexpr const char* kRecordInSession = "commission.jsonl";
 std::filesystem::path record_path(const std::filesystem::path& rig_path,
                                   const host::CommissionTable& settings);
 
-/// SHA-256 of what these tables of the rig file say, and for "camera" also its calibration: comments, order and
-/// other tables do not change it. Empty: the text is no TOML that can be read.
+/// SHA-256 of what these tables of the rig file say, and for "camera" also its calibration: comments, order
+/// and other tables do not change it. Empty: the text is no TOML that can be read.
 std::string tables_hash(const host::RigFile& rig, const std::vector<std::string>& tables);
 
 /// How the record stands on a day.
 struct Standing {
   enum class State {
     absent,  ///< nothing is recorded
-    good,  ///< all steps passed, or were skipped for a stated reason; none old, none before the rig file's change
+    good,    ///< all steps passed, or were skipped for a stated reason; none old, none before the rig file's
+             ///< change
     doubtful,  ///< some step failed, is missing, old, or older than the rig file's change
   };
   struct Line {

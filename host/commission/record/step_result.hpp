@@ -1,4 +1,5 @@
-// A step of commissioning and what it found: a number against its limit, in words, and what to do. Plain values; thread-safe.
+// A step of commissioning and what it found: a number against its limit, in words, and what to do. Plain
+// values; thread-safe.
 #pragma once
 
 #include <array>
@@ -28,7 +29,8 @@ constexpr bool over(StepState state) { return state >= StepState::passed; }
 struct StepInfo {
   std::string id;     ///< "lamp_a": letters, digits and _; in the record for ever
   std::string title;  ///< "lamp A alone"
-  /// The rig file's tables on which the result depends: where one of them has changed since, the step is repeated.
+  /// The rig file's tables on which the result depends: where one of them has changed since, the step is
+  /// repeated.
   std::vector<std::string> tables;
 };
 

@@ -35,12 +35,12 @@ Reduced downsample(const cv::Mat& intensity, double radius_px, Effort effort) {
   return reduced;
 }
 
-/// Circles seen for this much are balls: texture, seams and shadows support half of a circle at most, and chance
-/// another tenth.
+/// Circles seen for this much are balls: texture, seams and shadows support half of a circle at most, and
+/// chance another tenth.
 inline constexpr double kCertainCoverage = 0.65;
 
-/// A circle is fitted to the edges near a radius that is sought, and shading inside a ball makes some too: around the
-/// same centre another radius may have more.
+/// A circle is fitted to the edges near a radius that is sought, and shading inside a ball makes some too:
+/// around the same centre another radius may have more.
 double likeliest_radius(const CircleSupport& support, const SupportedCircle& found) {
   constexpr double kMinMore = 0.02;  // more than a sector of 72
   double radius = found.circle.radius;
@@ -102,16 +102,18 @@ std::vector<Candidate> find_candidates(const Photograph& photograph, const Searc
 
 namespace {
 
-// The ball's size on a photograph of unknown scale: circles of any size are sought, and those that are seen for
-// more than half of their circumference vote for theirs. Arcs of several things, texture and what is drawn on a
-// ball support less than that of a circle. Deterministic for any number of threads; thread-safe; allocates.
+// The ball's size on a photograph of unknown scale: circles of any size are sought, and those that are seen
+// for more than half of their circumference vote for theirs. Arcs of several things, texture and what is
+// drawn on a ball support less than that of a circle. Deterministic for any number of threads; thread-safe;
+// allocates.
 
 constexpr double kMinRadius_px = 10.0;
 constexpr double kMaxRadiusOfSide = 0.3;
-// Of a downsampled picture: an edge counts for a circle within 1.5 px, which should be a few percent of the radius.
+// Of a downsampled picture: an edge counts for a circle within 1.5 px, which should be a few percent of the
+// radius.
 constexpr double kReducedRadius_px = 20.0;
-// Of the radii that one search votes for: the votes of a wider range mix with those of other sizes. Ranges overlap,
-// as a radius is fitted within its own.
+// Of the radii that one search votes for: the votes of a wider range mix with those of other sizes. Ranges
+// overlap, as a radius is fitted within its own.
 const double kBand = std::cbrt(2.0);
 constexpr double kOverlap = 1.06;
 constexpr double kMinCoverage = 0.5;
@@ -177,8 +179,8 @@ double whole_circle_vote(const Candidate& circle) {
   return std::max(0.0, (circle.score - kMinCoverage) / (1.0 - kMinCoverage));
 }
 
-/// Circles that have a vote, best first, with diameters from `least_px` or less to `most_px` [image px], but at least
-/// 20 px and at most .6 of the photograph's shorter side. Radii are good to 3 %.
+/// Circles that have a vote, best first, with diameters from `least_px` or less to `most_px` [image px], but
+/// at least 20 px and at most .6 of the photograph's shorter side. Radii are good to 3 %.
 std::vector<Candidate> find_whole_circles(const Photograph& photograph, double least_px = 0.0,
                                           double most_px = 1e9) {
   const double side = std::min(photograph.width(), photograph.height());
@@ -245,15 +247,18 @@ double votes_beside(const SizeVotes& other, std::span<const Candidate> circles, 
 }
 
 constexpr std::size_t kMinCertain = 2;
-// A coarse radius is good to 3 %. Further from the size that is given, the balls' median is not that of all of them.
+// A coarse radius is good to 3 %. Further from the size that is given, the balls' median is not that of all
+// of them.
 constexpr double kCentred = 0.03;
 // A ball beyond the range is found at its end, give or take a coarse radius' error.
 constexpr double kAtEnd = 0.01;
-// Beyond the tolerance: sizes of circles, and of what is half out of the tolerance, are known to a few percent.
+// Beyond the tolerance: sizes of circles, and of what is half out of the tolerance, are known to a few
+// percent.
 constexpr double kMargin = 0.05;
 // The search nearby: a scale that is wrong by more is rare.
 constexpr double kNear = 1.7;
-// Of the votes for another size: with so many the given one has balls of its own, none of which votes for the other.
+// Of the votes for another size: with so many the given one has balls of its own, none of which votes for the
+// other.
 constexpr double kMinShareOfVotes = 0.5;
 // One round thing of another size may be anything.
 constexpr int kMinContradicting = 2;

@@ -24,9 +24,9 @@ struct SearchRange {
 /// (fast: two). Returns none for radii of 3 px or less or larger than the photograph.
 std::vector<Candidate> find_candidates(const Photograph& photograph, const SearchRange& range, Effort effort);
 
-// Candidates of the ball's size, and which size that is: the one that is given, unless the picture's circles say
-// otherwise, or the one that they agree on if none is given. The search for it is made only where
-// the candidates of the given size leave doubt. Deterministic for any number of threads; thread-safe; allocates.
+// Candidates of the ball's size, and which size that is: the one that is given, unless the picture's circles
+// say otherwise, or the one that they agree on if none is given. The search for it is made only where the
+// candidates of the given size leave doubt. Deterministic for any number of threads; thread-safe; allocates.
 
 struct ExpectedSize {
   std::optional<double> diameter_px;  ///< plane px; absent: not known
@@ -37,7 +37,8 @@ struct SizeDecision {
   std::optional<double> diameter_px;     ///< plane px, typical; absent: no size can be told
   double least_px = 0.0, most_px = 0.0;  ///< diameters of single balls
   std::vector<Candidate> candidates;     ///< best first
-  /// The size that the picture's circles agree on, where it is not the one given: there are no candidates then.
+  /// The size that the picture's circles agree on, where it is not the one given: there are no candidates
+  /// then.
   std::optional<double> contradicted_by_px;
 };
 

@@ -1,6 +1,6 @@
-// Circles through the edge points of a picture: edge points vote for the centres that their gradients point to
-// (Hough transform for circles), and the circles that most of them support are taken first. Deterministic for any
-// number of threads; thread-safe; allocates.
+// Circles through the edge points of a picture: edge points vote for the centres that their gradients point
+// to (Hough transform for circles), and the circles that most of them support are taken first. Deterministic
+// for any number of threads; thread-safe; allocates.
 #pragma once
 
 #include <cstddef>
@@ -75,8 +75,9 @@ struct CircleSearch {
   std::size_t max_peaks = 250;  ///< of the votes, highest first, at which a circle is fitted
 };
 
-/// Best first when found, at least a tenth of the radius apart; none shares its edge points with a better one.
-/// `support` is made of `edges`, whose picture has that size; afterwards the circles' edge points are claimed.
+/// Best first when found, at least a tenth of the radius apart; none shares its edge points with a better
+/// one. `support` is made of `edges`, whose picture has that size; afterwards the circles' edge points are
+/// claimed.
 std::vector<SupportedCircle> find_circles(const std::vector<EdgePoint>& edges, CircleSupport& support,
                                           cv::Size size, const CircleSearch& search);
 

@@ -96,8 +96,8 @@ std::vector<Sums> sum_segments(std::span<const LinePoint> points, const EquatorL
   return sums;
 }
 
-/// From here on the neighbours' light counts by how it differs from its mean: even, it is told from the ball's by the
-/// line's darkness only.
+/// From here on the neighbours' light counts by how it differs from its mean: even, it is told from the
+/// ball's by the line's darkness only.
 void centre_others(Sums& s, double contrast) {
   SegmentNormal centre = SegmentNormal::eye();
   const double mean = s.others / s.weight;
@@ -116,8 +116,8 @@ Segments measure_segments(std::span<const LinePoint> points, const EquatorLine& 
     for (int a = 0; a < 5; ++a)
       for (int b = 0; b < a; ++b) s.normal(b, a) = s.normal(a, b);
     centre_others(s, line.contrast);
-    // Weak priors of the gradient, which is degenerate with the shift where one flank is hidden, and of the neighbours'
-    // light, which is degenerate where it is even.
+    // Weak priors of the gradient, which is degenerate with the shift where one flank is hidden, and of the
+    // neighbours' light, which is degenerate where it is even.
     s.normal(1, 1) += 0.02 * s.weight * within * within;
     s.normal(4, 4) += 0.002 * s.weight;
     bool solved = false;

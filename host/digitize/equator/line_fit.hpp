@@ -1,8 +1,8 @@
 // From a coarse line to its angle: the line is cut into segments, the offset of each is measured, and a
 // straight line (or half an ellipse) is fitted to the offsets robustly. Seams, print and neighbours make
 // outliers of some segments; where a neighbour's limb hides one edge of the line, the line's width and the
-// neighbour's light are fitted too; the residuals of the others give the standard deviation, whatever the felt.
-// Thread-safe; allocates.
+// neighbour's light are fitted too; the residuals of the others give the standard deviation, whatever the
+// felt. Thread-safe; allocates.
 #pragma once
 
 #include <optional>

@@ -16,16 +16,17 @@ struct Photograph {
   int bits = 8;       ///< of the file's numbers: 8 or 16
   float saturation = 1.0F;  ///< pixels of this intensity or more are clipped
   std::string name;         ///< the file's, for messages
-  /// How EXIF, in a JPEG or PNG, says that the camera was held (1 to 8; 1: upright). The pixels are as stored: a
-  /// fixed camera's calibration is of them.
+  /// How EXIF, in a JPEG or PNG, says that the camera was held (1 to 8; 1: upright). The pixels are as
+  /// stored: a fixed camera's calibration is of them.
   int orientation = 1;
 
   int width() const { return intensity.cols; }
   int height() const { return intensity.rows; }
 };
 
-/// Decodes TIFF, PNG and JPEG (common/image/image_files.hpp), from 16 x 16 to image::kMaxPixels pixels. Colours become
-/// luminance. Fails with "NAME: what is wrong"; never throws, whatever the bytes. Thread-safe; allocates.
+/// Decodes TIFF, PNG and JPEG (common/image/image_files.hpp), from 16 x 16 to image::kMaxPixels pixels.
+/// Colours become luminance. Fails with "NAME: what is wrong"; never throws, whatever the bytes. Thread-safe;
+/// allocates.
 Result<Photograph> decode_photograph(std::span<const unsigned char> bytes, const std::string& name);
 
 /// Reads and decodes a file.

@@ -77,8 +77,8 @@ float median_rise(std::vector<double> rises) {
   return rises.empty() ? kNone : static_cast<float>(median(std::move(rises)));
 }
 
-/// Of the outlines that are seen for more than half, which arcs of several things hardly are: where background is
-/// busy those outnumber the balls. Of all where there are fewer.
+/// Of the outlines that are seen for more than half, which arcs of several things hardly are: where
+/// background is busy those outnumber the balls. Of all where there are fewer.
 Limb typical_limb(std::span<const Outline> outlines, const std::vector<Limb>& limbs) {
   const auto is_whole = [](const Outline& o) { return o.visible_fraction > 0.5; };
   const bool whole_only = std::ranges::count_if(outlines, is_whole) >= kMinOutlines;

@@ -16,8 +16,8 @@
 
 namespace strobe::digitize {
 
-/// Rise of intensity from outside to inside across an outline, by direction from its centre; not-a-number where it
-/// cannot be observed.
+/// Rise of intensity from outside to inside across an outline, by direction from its centre; not-a-number
+/// where it cannot be observed.
 using Limb = std::array<float, 72>;
 
 struct LimbAgreement {
@@ -37,8 +37,8 @@ struct LimbAgreement {
 };
 
 /// One for each outline, in their order. Directions below the surface are left out. The typical limb is the
-/// median of the outlines seen for more than half, or with fewer than 3 such of all; with fewer than 3 outlines, each
-/// one's own median over its directions.
+/// median of the outlines seen for more than half, or with fewer than 3 such of all; with fewer than 3
+/// outlines, each one's own median over its directions.
 std::vector<LimbAgreement> compare_limbs(const Photograph& photograph, const PlaneMap& map,
                                          std::span<const Outline> outlines,
                                          const std::optional<SurfaceLine>& surface);

@@ -79,11 +79,12 @@ namespace {
 
 constexpr std::size_t kMinImages = 4;
 constexpr double kCloseOfStep = 0.5;
-// A true image that another hides by half agrees with a ball's limb less well, under ambient light by a quarter.
+// A true image that another hides by half agrees with a ball's limb less well, under ambient light by a
+// quarter.
 constexpr double kClearDifference = 0.35;
-// Of the median interval, where the flashes' times are not known: trains that tell their flashes apart by unequal
-// intervals have none shorter, and neither lamp flashes that fast again. An outline that near to another borrows most
-// of its limb, and its quality.
+// Of the median interval, where the flashes' times are not known: trains that tell their flashes apart by
+// unequal intervals have none shorter, and neither lamp flashes that fast again. An outline that near to
+// another borrows most of its limb, and its quality.
 constexpr double kMinIntervalOfUnknown = 0.2;
 
 class Leg {
@@ -162,17 +163,17 @@ std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint
 
 namespace {
 
-// Flashes of one train differ by at most 30 % in energy (limb_agreement.cpp). Less than half a diameter apart two
-// flashes light a ball alike; further on the lamps' light may fall off by as much again, and noise and blur take a
-// fifth of the rise of an outline that another half hides: .7² · .8 = .4.
+// Flashes of one train differ by at most 30 % in energy (limb_agreement.cpp). Less than half a diameter apart
+// two flashes light a ball alike; further on the lamps' light may fall off by as much again, and noise and
+// blur take a fifth of the rise of an outline that another half hides: .7² · .8 = .4.
 constexpr double kMinShareBeside = 0.7;
 constexpr double kMinShare = 0.4;
 constexpr double kBesideOfDiameter = 0.5;
 // Beyond, light may have fallen off by any amount.
 constexpr double kReachOfDiameter = 2.0;
 
-/// Median over the directions, as lamps stand still and light both alike: what crosses a limb disturbs a few of
-/// them only.
+/// Median over the directions, as lamps stand still and light both alike: what crosses a limb disturbs a few
+/// of them only.
 double typical_rise(const Limb& limb) {
   std::vector<double> rises(limb.begin(), limb.end());
   std::erase_if(rises, [](double rise) { return std::isnan(rise); });
@@ -223,9 +224,9 @@ constexpr std::size_t kMinCertainBalls = 4;
 constexpr double kMaxSdOfDiameter = 0.004;
 // Near the bounce, arcs of several balls are more likely to look like a ball in contact.
 constexpr double kMaxContactSdOfDiameter = 0.002;
-// What may be a ball by its limb or not must show a share of what could be seen of its outline: a third where it is
-// hardly more than arcs of other things, which agree with a ball's limb there and by chance on a third of the rest
-// (limb_agreement.hpp), and less the more likely a ball it is.
+// What may be a ball by its limb or not must show a share of what could be seen of its outline: a third where
+// it is hardly more than arcs of other things, which agree with a ball's limb there and by chance on a third
+// of the rest (limb_agreement.hpp), and less the more likely a ball it is.
 constexpr double kMinVisible = 1.0 / 3.0;
 // On small balls half a px, which annotation and the coarse search are good to.
 constexpr double kMinMaxSd_px = 0.5;

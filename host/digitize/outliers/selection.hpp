@@ -1,5 +1,6 @@
-// Which outlines are the ball's images: checks of precision, size, limb, path, ghosts and spacing. Each outline that
-// fails one is added to `rejected`. Deterministic for any number of threads; thread-safe; allocates.
+// Which outlines are the ball's images: checks of precision, size, limb, path, ghosts and spacing. Each
+// outline that fails one is added to `rejected`. Deterministic for any number of threads; thread-safe;
+// allocates.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -51,8 +52,8 @@ struct TooClose {
 std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint> points,
                                      std::span<const double> quality, std::span<const double> flash_times_s);
 
-// Discs that ambient light draws along the ball's path between two flashes: dim, and crowded against the images
-// that the flashes made. Deterministic; thread-safe; allocates.
+// Discs that ambient light draws along the ball's path between two flashes: dim, and crowded against the
+// images that the flashes made. Deterministic; thread-safe; allocates.
 
 struct LitDisc {
   cv::Point2d centre;

@@ -85,8 +85,8 @@ std::optional<OvalModel> fit_oval_model(std::span<const OvalSample> samples, cv:
 
 namespace {
 
-// The covariance of a fitted outline, from the residuals of its sectors, which texture and shading correlate (sandwich
-// estimator with Bartlett's window along the outline, Newey and West 1987).
+// The covariance of a fitted outline, from the residuals of its sectors, which texture and shading correlate
+// (sandwich estimator with Bartlett's window along the outline, Newey and West 1987).
 
 struct FittedSectors {
   const SectorOffsets& offsets;
@@ -96,8 +96,8 @@ struct FittedSectors {
 
 // Systematic errors that the sectors' scatter does not show: shading and blur unlike the model shift many
 // sectors alike. Both from painted photographs of balls with many looks
-// (tests/host/digitize/outlines_test.cpp), the factor also from 721 images on rendered photographs, whose errors are
-// then 1.05 sd: a limb that is not of the expected shape moves its neighbours alike.
+// (tests/host/digitize/outlines_test.cpp), the factor also from 721 images on rendered photographs, whose
+// errors are then 1.05 sd: a limb that is not of the expected shape moves its neighbours alike.
 constexpr double kSdFactor = 1.4;
 constexpr double kFloor_px = 0.01;
 // A blurred edge includes more of the ball's shaded side, which the profile models less well: an error of the
@@ -140,8 +140,8 @@ Square outline_covariance(const FittedSectors& sectors, const Square& prior, dou
     }
   }
   Square covariance = inverse * meat * inverse * (kSdFactor * kSdFactor);
-  // Errors that adjacent sectors share are not quite shared across the ball; but the terminator lies further in on all
-  // sides.
+  // Errors that adjacent sectors share are not quite shared across the ball; but the terminator lies further
+  // in on all sides.
   for (int pattern = 0; pattern < 3; ++pattern) {
     const double share = pattern == 0 ? 1.0 : 1.0 / std::numbers::sqrt2;
     Vector pull{};

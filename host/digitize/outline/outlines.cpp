@@ -85,8 +85,9 @@ std::optional<FittedOutline> fit_outline_bagged(const Photograph& photograph, co
 namespace {
 
 constexpr double kLargeBlur = 1.3;
-// A centre less certain than this share of the diameter tells no speed: images are about a diameter apart, a leg has
-// three or more, and a percent or two is wanted. Whether it is a ball's is another question (outliers/selection.hpp).
+// A centre less certain than this share of the diameter tells no speed: images are about a diameter apart, a
+// leg has three or more, and a percent or two is wanted. Whether it is a ball's is another question
+// (outliers/selection.hpp).
 constexpr double kMaxSdOfDiameter = 0.03;
 // Offsets are sought within two sd of the blur; those of no outline at all lie anywhere there, with an rms of
 // 2/sqrt(3) = 1.15 sd, give or take .1 over 24 sectors.
@@ -203,7 +204,8 @@ class OutlineFitter {
   }
 
   /// So badly seen that measuring it a second time, more finely, would not make a ball of it: what is seen on
-  /// less than a third of its outline on the photograph is none, unless its centre is well fixed all the same.
+  /// less than a third of its outline on the photograph is none, unless its centre is well fixed all the
+  /// same.
   static bool is_hopeless(const Work& work) {
     const auto& covariance = work.fitted->covariance;
     const double sd = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));

@@ -15,8 +15,8 @@ constexpr int kOwn = 5;  // linear terms without neighbours
 constexpr int kMaxLinear = kOwn + 2 * kMaxNeighbours;
 constexpr int kExtra = 5;  // derivatives of step and root by depth and sigma, intensity
 constexpr int kMaxTerms = kMaxLinear + kExtra;
-// The linear terms are, in this order: an even background, step and root of each neighbour, and of this outline
-// slope, limb, deviation from it, and inner slope. Those that have a prior come last (noise_of()).
+// The linear terms are, in this order: an even background, step and root of each neighbour, and of this
+// outline slope, limb, deviation from it, and inner slope. Those that have a prior come last (noise_of()).
 constexpr int kPriorTerms = 4;
 constexpr std::size_t kSlope = 0, kLimb = 1, kDeviation = 2, kInnerSlope = 3;  // from first_prior_term()
 constexpr int kLanes = 4;
@@ -109,10 +109,11 @@ void add_neighbour(Terms& terms, std::size_t first, const SectorSamples& samples
   }
 }
 
-// What is known of a limb before its sector is seen. Of its rise over a window, the part that grows as the root
-// is anything from none (light from all around, fuzz) to all (a matt sphere lit from the camera): uniform, with
-// the mean 1/2 and the variance 1/12. A window is at most .3 of a radius deep, and light on a sphere, this one or
-// one behind it, changes by as much as it is over a radius: slopes of ball and background are within .3 of it.
+// What is known of a limb before its sector is seen. Of its rise over a window, the part that grows as the
+// root is anything from none (light from all around, fuzz) to all (a matt sphere lit from the camera):
+// uniform, with the mean 1/2 and the variance 1/12. A window is at most .3 of a radius deep, and light on a
+// sphere, this one or one behind it, changes by as much as it is over a radius: slopes of ball and background
+// are within .3 of it.
 constexpr float kRootShare = 0.5F;
 constexpr double kRootShareVariance = 1.0 / 12.0, kSlopeVariance = 0.3 * 0.3;
 
@@ -159,9 +160,9 @@ double rough_rise(const Normal& normal) {
   return own > 0.0 ? (normal.m[normal.light()][limb] - mean * normal.m[normal.light()][0]) / own : 0.0;
 }
 
-/// The deviation from the limb, like the slopes, is expected to be small against its rise: by as much as noise,
-/// texture among it, hides. Without noise nothing is assumed; in bad light, where the terms are nearly collinear, the
-/// limb is of the common shape.
+/// The deviation from the limb, like the slopes, is expected to be small against its rise: by as much as
+/// noise, texture among it, hides. Without noise nothing is assumed; in bad light, where the terms are nearly
+/// collinear, the limb is of the common shape.
 void add_limb_prior(Normal& normal, double rise, double noise2) {
   const double relative = noise2 / (rise * rise + noise2);
   const std::size_t own = normal.first_prior_term();
@@ -177,9 +178,9 @@ void add_ridge(Normal& normal) {
         (1.0 + 1e-6) * normal.m[j][j] + (j > 0 && j < normal.first_prior_term() ? kNeighbourPrior : 0.0);
 }
 
-/// Projects the linear terms from `first` to `last` out of all after them by a Cholesky factorization, row by row:
-/// afterwards m[i][j] of the others holds the products of their residuals, and m[light][j] of such a term j holds
-/// (L⁻¹ b)_j, b being its products with the intensity.
+/// Projects the linear terms from `first` to `last` out of all after them by a Cholesky factorization, row by
+/// row: afterwards m[i][j] of the others holds the products of their residuals, and m[light][j] of such a
+/// term j holds (L⁻¹ b)_j, b being its products with the intensity.
 void project(Normal& normal, std::size_t first, std::size_t last) {
   const std::size_t terms = normal.light() + 1;
   for (std::size_t i = first; i < terms; ++i) {
@@ -197,7 +198,8 @@ void project(Normal& normal, std::size_t first, std::size_t last) {
   }
 }
 
-/// Variance of the intensity around the freest of the models, once all terms without a prior are projected out.
+/// Variance of the intensity around the freest of the models, once all terms without a prior are projected
+/// out.
 double noise_of(const Normal& normal, int degrees_of_freedom) {
   std::array<std::array<double, kPriorTerms>, kPriorTerms + 1> factor;
   const std::size_t own = normal.first_prior_term();

@@ -1,9 +1,9 @@
 // The offset of an outline in one sector. The sector's profile is fitted by a linear background, a blurred
-// step and a blurred square root (edge_profile.hpp), and the same for neighbouring outlines that cross it. How
-// step, root and slopes share the rise is known beforehand within what a lit sphere can show, which counts where
-// noise and texture leave it open.
-// The residuals of these linear terms give the outline's offset and the change of the blur (variable
-// projection, Golub and Pereyra 1973, in Kaufman's form). Deterministic; thread-safe; allocates.
+// step and a blurred square root (edge_profile.hpp), and the same for neighbouring outlines that cross it.
+// How step, root and slopes share the rise is known beforehand within what a lit sphere can show, which
+// counts where noise and texture leave it open. The residuals of these linear terms give the outline's offset
+// and the change of the blur (variable projection, Golub and Pereyra 1973, in Kaufman's form). Deterministic;
+// thread-safe; allocates.
 #pragma once
 
 #include <span>

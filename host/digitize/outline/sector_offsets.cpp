@@ -16,8 +16,9 @@ double variance_of(const SectorOffsets& offsets, std::size_t i) {
   return offsets.edges[i].sd_px * offsets.edges[i].sd_px + offsets.common_sd[i] * offsets.common_sd[i];
 }
 
-/// The variance to add so that the median of residual²/variance is that of a squared normal variable. A median is above
-/// a value where at least half of the numbers are: counting takes a tenth of the time of sorting.
+/// The variance to add so that the median of residual²/variance is that of a squared normal variable. A
+/// median is above a value where at least half of the numbers are: counting takes a tenth of the time of
+/// sorting.
 double extra_variance(const SectorOffsets& offsets, std::span<const double> residual) {
   const std::vector<SectorEdge>& edges = offsets.edges;
   constexpr double kMedianOfSquare = 0.4549;
@@ -42,8 +43,8 @@ double extra_variance(const SectorOffsets& offsets, std::span<const double> resi
 
 constexpr int kReach = 4;  // sectors to either side that tell together
 
-// A limb whose step is that many times what its curvature adds over a blur's width hides no more of the law by which
-// light falls than an eighth of the blur, as much as texture does.
+// A limb whose step is that many times what its curvature adds over a blur's width hides no more of the law
+// by which light falls than an eighth of the blur, as much as texture does.
 constexpr double kClearRatio = 1.0 / 8.0;
 
 std::size_t around(int i, int count) { return static_cast<std::size_t>((i + 2 * count) % count); }

@@ -1,5 +1,5 @@
-// The offsets of an outline's sectors and how much each counts in its fit: robust weights, and shadow. Deterministic;
-// thread-safe; allocates.
+// The offsets of an outline's sectors and how much each counts in its fit: robust weights, and shadow.
+// Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <span>
@@ -24,8 +24,8 @@ struct SectorOffsets {
 void reweight(SectorOffsets& offsets, std::span<const double> residuals);
 
 /// Where most sectors around have no edge the limb is in shadow, and a single edge belongs to something
-/// else. Next to it, and on a half-lit ball as far as the light is oblique, the limb fades into the terminator, which
-/// lies further inside: those sectors share an error.
+/// else. Next to it, and on a half-lit ball as far as the light is oblique, the limb fades into the
+/// terminator, which lies further inside: those sectors share an error.
 void downweight_shadow(SectorOffsets& offsets, double sigma_px);
 
 }  // namespace strobe::digitize

@@ -57,10 +57,11 @@ double share_of_view_per_px(std::span<const PathPoint> points, std::span<const i
 
 namespace {
 
-// Across one diameter of travel the scale changes by up to about a tenth where the ball flies steeply towards the
-// camera; a camera held askew by some degrees makes a term of the same size.
+// Across one diameter of travel the scale changes by up to about a tenth where the ball flies steeply towards
+// the camera; a camera held askew by some degrees makes a term of the same size.
 constexpr double kPerspectiveSd = 0.1;
-// Where the curve's own height is worth less than this share of a height beside it, it turns back over itself.
+// Where the curve's own height is worth less than this share of a height beside it, it turns back over
+// itself.
 constexpr double kMinUniqueness = 0.2;
 // The weight of a prior that leaves a term out.
 constexpr double kLeftOut = 1e18;
@@ -156,9 +157,11 @@ using Shape = FlightCurve::Shape;
 
 // One leg in a thousand photographs may be made of what is no ball.
 constexpr double kMaxLog10ByChance = -3.0;
-// A seed is three images among so many neighbours of the first and the second: some are hidden, some are none.
+// A seed is three images among so many neighbours of the first and the second: some are hidden, some are
+// none.
 constexpr std::size_t kNeighbours = 4;
-// The next image of a leg is within so many of its longest step: trains have unequal intervals, images are hidden.
+// The next image of a leg is within so many of its longest step: trains have unequal intervals, images are
+// hidden.
 constexpr double kLongestGap = 4.0;
 constexpr double kAllowed_sd = 3.0;
 // A curve known no better than this share of a diameter predicts no image.

@@ -1,5 +1,5 @@
-// The legs of a path of any number of bounces, each a curve of free flight that joins the next. Geometry only.
-// Deterministic; thread-safe; allocates.
+// The legs of a path of any number of bounces, each a curve of free flight that joins the next. Geometry
+// only. Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,23 +14,25 @@
 namespace strobe::digitize {
 
 // How many curves chance alone would lead as closely through as many points. Pure; thread-safe.
-// Moisan, Stival: A probabilistic criterion to detect rigid point matches, IJCV 57 (2004): the a-contrario RANSAC.
+// Moisan, Stival: A probabilistic criterion to detect rigid point matches, IJCV 57 (2004): the a-contrario
+// RANSAC.
 
 /// Places are no better known than this, whatever the residuals.
 inline constexpr double kMinResidual_px = 0.1;
 
-/// log10 of the number of curves of `parameters` parameters expected by chance with `members` or more of `points`
-/// points, thrown at random over the view, on a band that covers `share` of it (0 to 1). members <= points.
+/// log10 of the number of curves of `parameters` parameters expected by chance with `members` or more of
+/// `points` points, thrown at random over the view, on a band that covers `share` of it (0 to 1). members <=
+/// points.
 double log10_curves_by_chance(std::size_t points, std::size_t members, std::size_t parameters, double share);
 
-/// What part of the view of these points, a diameter around them, a band along a path across it covers for each px of
-/// its width.
+/// What part of the view of these points, a diameter around them, a band along a path across it covers for
+/// each px of its width.
 double share_of_view_per_px(std::span<const PathPoint> points, std::span<const int> eligible,
                             double diameter_px);
 
-// A leg of free flight on the photograph, however strongly bent: a parabola whose axis is the picture's vertical, and
-// with more images the conic that perspective, a camera held askew and the air make of it. Plain values; thread-safe;
-// allocates.
+// A leg of free flight on the photograph, however strongly bent: a parabola whose axis is the picture's
+// vertical, and with more images the conic that perspective, a camera held askew and the air make of it.
+// Plain values; thread-safe; allocates.
 
 /// v = a + b u + c u² + p u v + q v² in diameters from an origin; least squares of the distances from it.
 class FlightCurve {
@@ -39,8 +41,8 @@ class FlightCurve {
   enum class Shape { line = 2, parabola = 3, conic = 5 };
 
   /// Through points[members], as many at different x as the shape has terms; the conic, whose last two terms
-  /// have a prior, through 3. Returns nullopt if the curve turns back over itself along them, or is bent upwards
-  /// beyond its uncertainty.
+  /// have a prior, through 3. Returns nullopt if the curve turns back over itself along them, or is bent
+  /// upwards beyond its uncertainty.
   static std::optional<FlightCurve> fit(std::span<const PathPoint> points, std::span<const int> members,
                                         double diameter_px, Shape shape = Shape::conic);
 

@@ -27,8 +27,8 @@ struct TimeOrder {
   std::vector<int> sequence;                       ///< indices of the points, in order of time
   std::vector<std::optional<reduction::Leg>> leg;  ///< of the sequence; absent where undecided
   std::vector<bool> other_leg;  ///< of the sequence: of neither leg of the bounce, or not told of which
-  /// Of the sequence: indices into flash_times_s, -1 for images of other legs. Empty: not known, or no steady flight
-  /// passes through the images.
+  /// Of the sequence: indices into flash_times_s, -1 for images of other legs. Empty: not known, or no steady
+  /// flight passes through the images.
   std::vector<int> flash;
   bool leftwards = false;
   std::vector<std::string> remarks;  ///< assumptions and ambiguities

@@ -174,15 +174,16 @@ std::vector<LegLine> leg_lines(std::span<const PathPoint> points, std::span<cons
 
 namespace {
 
-// In diameters: how far the order of touchdown and lift-off may be wrong where the ball goes straight down and up.
+// In diameters: how far the order of touchdown and lift-off may be wrong where the ball goes straight down
+// and up.
 constexpr double kCrossingNoise = 0.4;
 constexpr double kNearApex = 3.0;
 constexpr double kLegCost = 0.5;
 constexpr double kLegCostBlind = 1.2;
 constexpr double kMinSlope = 0.03;
-// Without a surface one photograph in ten may have a second leg of what is no ball. A line at random meets the first
-// leg's within kNearApex of its end in one of six photographs (18 diameters wide), begins within as much from there in
-// one of six, and leads upwards in one of two.
+// Without a surface one photograph in ten may have a second leg of what is no ball. A line at random meets
+// the first leg's within kNearApex of its end in one of six photographs (18 diameters wide), begins within as
+// much from there in one of six, and leads upwards in one of two.
 constexpr double kMaxLog10SecondLegs = -1.0;
 constexpr double kMeetByChance = 1.0 / 72.0;
 

@@ -1,4 +1,5 @@
-// A leg of flight on the photograph: a straight line, slightly bent by gravity. Plain values; thread-safe; allocates.
+// A leg of flight on the photograph: a straight line, slightly bent by gravity. Plain values; thread-safe;
+// allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -34,8 +35,8 @@ double leg_tolerance(const PathPoint& point, double diameter_px, double leg_sd_p
 std::vector<LegLine> leg_lines(std::span<const PathPoint> points, std::span<const int> eligible,
                                double diameter_px, std::size_t max_lines);
 
-// Which of the straight legs found are the ball's way down and its way up. Geometry and chance only. Deterministic;
-// thread-safe; allocates.
+// Which of the straight legs found are the ball's way down and its way up. Geometry and chance only.
+// Deterministic; thread-safe; allocates.
 
 /// How far apart the ball may touch down and lift off, in diameters: 9 ms at 20 m/s.
 inline constexpr double kLongestContact = 2.8;
@@ -57,8 +58,9 @@ cv::Point2d far_end(std::span<const PathPoint> points, const LegLine& leg, cv::P
 /// A further leg must explain more than this weight of images.
 double leg_cost(const PathContext& context);
 
-/// The leg or the two legs that explain most of `airborne`, the heavier line first; `lines` as leg_lines() gives them.
-/// Two meet: at the surface, or without one so that chance would hardly lead the second through what is no ball.
+/// The leg or the two legs that explain most of `airborne`, the heavier line first; `lines` as leg_lines()
+/// gives them. Two meet: at the surface, or without one so that chance would hardly lead the second through
+/// what is no ball.
 std::vector<LegLine> choose_legs(std::span<const PathPoint> points, std::span<const int> airborne,
                                  std::span<const LegLine> lines, const PathContext& context);
 

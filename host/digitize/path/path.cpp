@@ -263,7 +263,8 @@ class Finder {
     std::ranges::sort(path_.contact, {}, [this](int i) { return point_at(points_, i).at.x; });
   }
 
-  /// The images of a ball that goes straight down and up; empty if the path's legs can be told by their places.
+  /// The images of a ball that goes straight down and up; empty if the path's legs can be told by their
+  /// places.
   std::vector<int> images_on_one_line() const {
     if (!context_.surface_known || path_.curved || kept_.empty()) return {};
     const LegLine& line = kept_.front();

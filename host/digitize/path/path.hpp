@@ -1,7 +1,7 @@
 // The path of the ball through its images: two nearly straight legs that meet at the surface, with images in
-// contact between them; one leg alone, as in free flight; or curved legs of free flight, joined by any number of
-// bounces; or straight down and up, told apart by the flashes' times. Geometry only, no photograph. Deterministic;
-// thread-safe; allocates.
+// contact between them; one leg alone, as in free flight; or curved legs of free flight, joined by any number
+// of bounces; or straight down and up, told apart by the flashes' times. Geometry only, no photograph.
+// Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -45,15 +45,15 @@ PathContext path_context(std::span<const Outline> outlines, const std::optional<
 
 /// Indices into the points.
 struct Path {
-  /// In the air: one leg after the other, and the images of each, along the path from one of its ends. Which end
-  /// comes first in time is not decided here. A leg alone begins far from the surface. None is empty.
+  /// In the air: one leg after the other, and the images of each, along the path from one of its ends. Which
+  /// end comes first in time is not decided here. A leg alone begins far from the surface. None is empty.
   std::vector<std::vector<int>> legs;
   std::vector<int> contact;  ///< by x
   /// Of the legs' images those that lie on either leg, where one has too few others to tell which.
   std::vector<int> ambiguous;
   bool curved = false;  ///< legs bend as gravity has it, from left to right
-  /// The ball falls and rises along one line. Its legs are then told by the flashes' times, which gives the flash of
-  /// each point (-1: not told), in order of time; or they are not told at all, and are one leg.
+  /// The ball falls and rises along one line. Its legs are then told by the flashes' times, which gives the
+  /// flash of each point (-1: not told), in order of time; or they are not told at all, and are one leg.
   bool straight = false;
   std::vector<int> flash;
   struct Outlier {

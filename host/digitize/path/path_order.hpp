@@ -22,8 +22,8 @@ struct PathOrder {
   double towards = 1.0;  ///< +1: travels to greater x
 };
 
-/// The path from its first leg on, or `reversed`. The bounce is the one asked for, if there is one; else the first with
-/// two images or more on either side, which give a velocity; else the first.
+/// The path from its first leg on, or `reversed`. The bounce is the one asked for, if there is one; else the
+/// first with two images or more on either side, which give a velocity; else the first.
 PathOrder path_order(std::span<const PathPoint> points, const Path& path, bool reversed,
                      std::optional<int> bounce);
 

@@ -123,7 +123,8 @@ class FallSearch {
     return nearest;
   }
 
-  /// Where the last images lead to: few enough for the air to change little, enough for one bad one to do little.
+  /// Where the last images lead to: few enough for the air to change little, enough for one bad one to do
+  /// little.
   double predicted_px(const std::vector<Fall::Place>& places, int flash) const {
     geometry::LegFit fit(Eigen::Vector2d(0.0, -context_.gravity_pxps2));
     for (std::size_t k = places.size(); k-- > 0 && fit.count() < kLastImages;)

@@ -59,8 +59,8 @@ int profile_count(const Photograph& photograph);
 int profile_column(const Photograph& photograph, int profile);
 
 /// Means over kProfileColumns, from the edge's row upwards and downwards. Returns nullopt where the edge is
-/// occluded or not on the photograph. A mean with a saturated pixel in it is one: kSaturatedShare of saturation or
-/// more.
+/// occluded or not on the photograph. A mean with a saturated pixel in it is one: kSaturatedShare of
+/// saturation or more.
 std::optional<EdgeSamples> samples_across(const Photograph& photograph, const OcclusionMask& occluded,
                                           int column, double row);
 

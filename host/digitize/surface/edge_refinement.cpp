@@ -136,7 +136,8 @@ std::optional<StepFit> fit_step(std::span<const double> intensity, double satura
   if (fitter.samples() < kMinSamples) return std::nullopt;
   Step first = fitter.first_guess(start);
   if (!fitter.saturated()) return fit_from(fitter, first, start);
-  // A step that ends at saturation fits what is saturated without fitting the rest, and is hard to leave from below.
+  // A step that ends at saturation fits what is saturated without fitting the rest, and is hard to leave from
+  // below.
   first.height *= 2.0;
   fitter.ignore_saturated(true);
   const auto fit = fit_from(fitter, first, start);
@@ -148,13 +149,15 @@ std::optional<StepFit> fit_step(std::span<const double> intensity, double satura
 namespace {
 
 constexpr std::size_t kMinProfiles = 12;
-// Profiles of one block err alike. Long blocks hold what a scratch or uneven light does; but errors that come and go
-// with the edge's place between two rows cancel within them and not at the line's ends, as short ones tell.
+// Profiles of one block err alike. Long blocks hold what a scratch or uneven light does; but errors that come
+// and go with the edge's place between two rows cancel within them and not at the line's ends, as short ones
+// tell.
 constexpr std::size_t kLongBlocks = 8, kShortBlocks = 24;
 constexpr std::size_t kProfilesForBlur = 24;
 // Of any lens that is in focus, up to where the samples' reach holds 3 sd.
 constexpr double kMinBlur_px = 0.2, kMaxBlur_px = 3.0, kBlurRatio = 1.5;
-// For a normal sample 95 % efficient, and blind to what is farther out (Beaton and Tukey, Technometrics 16, 1974).
+// For a normal sample 95 % efficient, and blind to what is farther out (Beaton and Tukey, Technometrics 16,
+// 1974).
 constexpr double kBiweight_sd = 4.685;
 constexpr int kRounds = 6;
 constexpr double kCutOff_px = 1.0;
@@ -210,8 +213,8 @@ Coefficients robust_line(std::vector<Place>& places, double slope) {
   return line;
 }
 
-/// By the jackknife, a block left out at a time (Efron and Tibshirani, An introduction to the bootstrap, 1993, chapter
-/// 11).
+/// By the jackknife, a block left out at a time (Efron and Tibshirani, An introduction to the bootstrap,
+/// 1993, chapter 11).
 Eigen::Matrix2d covariance(const std::vector<Place>& places, const Coefficients& line, std::size_t count) {
   NormalEquations all;
   std::vector<NormalEquations> blocks(count);

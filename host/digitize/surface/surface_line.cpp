@@ -30,16 +30,17 @@ constexpr double kAsClear = 0.05;
 constexpr double kMaxReach = 3.0;  ///< of the half length seen
 // The fastest shots press a ball together until its centre is .3 of its radius above the surface.
 constexpr double kLowestOfRadius = 0.15;
-// The lamps leave the same side of each ball dark, and its limb is of the same felt: 26 photographs' mean errors are
-// .05 px rms on the simulator's renderer and on the independent one, where outlines state .07 to .08 px.
+// The lamps leave the same side of each ball dark, and its limb is of the same felt: 26 photographs' mean
+// errors are .05 px rms on the simulator's renderer and on the independent one, where outlines state .07 to
+// .08 px.
 constexpr double kSharedOfVariance = 0.5;
 constexpr double kOccludedRadii = 1.08;
 // What of an outline is seen so far below a line, in radii and px, is not just pressed flat there.
 constexpr double kBelowOfRadius = 0.06;
 constexpr double kBelow_px = 4.0;
 constexpr double kMaxCirclesBelow = 0.5;
-// Of outlines that no surface at the line allows, one in so many may be false, e.g. a clamp's. One of fewer is too much
-// of what tells where the surface can be.
+// Of outlines that no surface at the line allows, one in so many may be false, e.g. a clamp's. One of fewer
+// is too much of what tells where the surface can be.
 constexpr std::size_t kOutlinesPerFalse = 8;
 
 /// Where balls cover the plate's edge.
@@ -116,8 +117,9 @@ double quality(const EdgeLine& edge, std::span<const Outline> outlines) {
   return value;
 }
 
-/// The other edge of a plate that is seen from above: parallel to it, as long, and less than a ball away. Kept though no
-/// scene shows one, because a camera a hand above the plate does, and heights would be wrong by half its depth.
+/// The other edge of a plate that is seen from above: parallel to it, as long, and less than a ball away.
+/// Kept though no scene shows one, because a camera a hand above the plate does, and heights would be wrong
+/// by half its depth.
 const EdgeLine* other_edge(const EdgeLine& edge, std::span<const EdgeLine> edges,
                            std::span<const Outline> outlines) {
   double diameter = 0.0;
@@ -134,8 +136,8 @@ const EdgeLine* other_edge(const EdgeLine& edge, std::span<const EdgeLine> edges
   return other;
 }
 
-/// Sd of what the lowest points of all balls are off alike: heights over the surface are, however many images there
-/// are.
+/// Sd of what the lowest points of all balls are off alike: heights over the surface are, however many images
+/// there are.
 double shared_sd_px(std::span<const Outline> outlines) {
   std::vector<double> variances;
   const cv::Vec3d lowest_by(0.0, 1.0, -0.5);

@@ -28,7 +28,8 @@ struct SurfaceLine {
   double edge_separation_px = 0.0;
 };
 
-/// The surface's axes on the photograph: along the line and up from it [px]. Horizontal if all points are one.
+/// The surface's axes on the photograph: along the line and up from it [px]. Horizontal if all points are
+/// one.
 geometry::SurfaceFrame surface_frame(const SurfaceLine& line);
 
 /// Sd of a height above the line.

@@ -90,8 +90,8 @@ bool limb_between(std::span<const Disc> discs, const Disc& own, cv::Point2d p, c
   });
 }
 
-/// What a disc shows alone where it lies below the other, from two places outside of that, as deep in it and in steps
-/// of the same angle: light changes along the limb.
+/// What a disc shows alone where it lies below the other, from two places outside of that, as deep in it and
+/// in steps of the same angle: light changes along the limb.
 std::optional<double> alone(const Photograph& photograph, std::span<const Disc> discs, const Disc& disc,
                             cv::Point2d both, cv::Point2d outside, double radius) {
   const cv::Point2d from = both - disc.centre, to = outside - disc.centre;
@@ -150,8 +150,8 @@ bool clear_of_others(std::span<const Disc> discs, std::size_t a, std::size_t b, 
 /// Clear of the limb's blur, and shallow against how light changes over the ball.
 double depth_in(const Disc& disc) { return 0.03 * disc.radius + 2.0 * disc.blur + 1.0; }
 
-/// By how much light that bends along the limb as a cosine does misleads, as a share of the power: two steps of
-/// about twice the depth are bridged straight on, and of light that is halved the power takes 1 / ln 2.
+/// By how much light that bends along the limb as a cosine does misleads, as a share of the power: two steps
+/// of about twice the depth are bridged straight on, and of light that is halved the power takes 1 / ln 2.
 double by_bend(std::span<const Disc> discs) {
   double largest = 0.0;
   for (const Disc& disc : discs) largest = std::max(largest, 2.0 * depth_in(disc) / disc.radius);
@@ -177,8 +177,8 @@ std::vector<double> log_powers(const Photograph& photograph, std::span<const Dis
 }  // namespace
 
 bool TransferCurve::is_proportional() const {
-  // Four sd of a median of a dozen: no false alarm in a thousand photographs. 0.85 widens no ball by more than the sd
-  // of its diameter, and no screen or camera writes an exponent between it and 1.
+  // Four sd of a median of a dozen: no false alarm in a thousand photographs. 0.85 widens no ball by more
+  // than the sd of its diameter, and no screen or camera writes an exponent between it and 1.
   constexpr double kCertain_sd = 4.0, kMatters = 0.15;
   return std::abs(exponent - 1.0) < std::max(kCertain_sd * sd, kMatters);
 }

@@ -1,7 +1,7 @@
-// Whether a photograph's numbers are proportional to light, told by the photograph itself: where two images of the ball
-// overlap their light adds up. At each crossing of two outlines, light in both less that in one is that in the other
-// less that in none; numbers that are a power of the light do so for one exponent alone. Deterministic; no I/O;
-// thread-safe; allocates.
+// Whether a photograph's numbers are proportional to light, told by the photograph itself: where two images
+// of the ball overlap their light adds up. At each crossing of two outlines, light in both less that in one
+// is that in the other less that in none; numbers that are a power of the light do so for one exponent alone.
+// Deterministic; no I/O; thread-safe; allocates.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -20,12 +20,13 @@ struct TransferCurve {
   double sd = 0.0;        ///< from the crossings' scatter
   int crossings = 0;
 
-  /// Proportional within what the crossings tell, and within what matters: an exponent of 0.85 widens a ball by
-  /// about its diameter's usual sd.
+  /// Proportional within what the crossings tell, and within what matters: an exponent of 0.85 widens a ball
+  /// by about its diameter's usual sd.
   bool is_proportional() const;
 };
 
-/// Returns nullopt if fewer than five crossings of two outlines are clear of a third, bright enough and not saturated.
+/// Returns nullopt if fewer than five crossings of two outlines are clear of a third, bright enough and not
+/// saturated.
 std::optional<TransferCurve> measure_transfer(const Photograph& photograph, const PlaneMap& map,
                                               std::span<const Outline> outlines);
 

@@ -1,5 +1,6 @@
-// Who may ask: the secret, and that the asker is a program of this machine's user or this very page, not another site's
-// page in the same browser (cross-site requests, DNS rebinding). Plain values; thread-safe; no I/O.
+// Who may ask: the secret, and that the asker is a program of this machine's user or this very page, not
+// another site's page in the same browser (cross-site requests, DNS rebinding). Plain values; thread-safe; no
+// I/O.
 #pragma once
 
 #include <cstdint>
@@ -33,11 +34,11 @@ class Access {
  public:
   explicit Access(AccessSettings settings);
 
-  /// A refusal of status 400, 401, 403, 405 or 415; absent: the request is answered. Order of checks: Host, Origin, method,
-  /// secret, content type.
+  /// A refusal of status 400, 401, 403, 405 or 415; absent: the request is answered. Order of checks: Host,
+  /// Origin, method, secret, content type.
   std::optional<Response> check(const RequestHead& head) const;
-  /// Of the page opened with the right secret in its address: the cookie to be set, before the page is opened without it.
-  /// Only for a request whose Host and Origin are right; absent: it is no such request.
+  /// Of the page opened with the right secret in its address: the cookie to be set, before the page is opened
+  /// without it. Only for a request whose Host and Origin are right; absent: it is no such request.
   std::optional<std::string> cookie_for(const RequestHead& head) const;
 
  private:

@@ -37,7 +37,8 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   void start();
   /// The hub may have something new.
   void send_events();
-  /// Something is sent to a viewer of the event stream who gets nothing else: that he is gone is then noticed.
+  /// Something is sent to a viewer of the event stream who gets nothing else: that he is gone is then
+  /// noticed.
   void ping();
   void close();
 

@@ -1,6 +1,6 @@
-// Server-sent events (WHATWG HTML, 9.2): the newest ones are kept once for all viewers, each of whom reads on from where
-// he is. Who is too slow, or comes back too late, is told to fetch everything anew (`reset`): nobody waits for him.
-// Thread-safe; publish() holds a lock for the time of a move.
+// Server-sent events (WHATWG HTML, 9.2): the newest ones are kept once for all viewers, each of whom reads on
+// from where he is. Who is too slow, or comes back too late, is told to fetch everything anew (`reset`):
+// nobody waits for him. Thread-safe; publish() holds a lock for the time of a move.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +27,8 @@ class EventHub {
     std::string text;          ///< of the stream; empty: nothing is new
     std::int64_t last_id = 0;  ///< the viewer has all up to here
   };
-  /// What comes after the event `seen`, as many whole events as fit max_bytes, one at least. Where those after `seen` are
-  /// not kept any more, or it is no id of this hub's: one `reset`, and the newest id.
+  /// What comes after the event `seen`, as many whole events as fit max_bytes, one at least. Where those
+  /// after `seen` are not kept any more, or it is no id of this hub's: one `reset`, and the newest id.
   Taken take_after(std::int64_t seen, std::size_t max_bytes) const;
 
   /// Called after each event, on the publisher's thread, without the lock; must not wait. Empty: none.

@@ -1,5 +1,5 @@
-// From a request's head to what is done with it: the interface's paths, the event stream, and the page's files, which were built
-// into the program. Thread-safe; no I/O.
+// From a request's head to what is done with it: the interface's paths, the event stream, and the page's
+// files, which were built into the program. Thread-safe; no I/O.
 #pragma once
 
 #include <optional>

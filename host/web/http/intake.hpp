@@ -1,4 +1,5 @@
-// The bytes of a connection, taken apart into HTTP/1 requests within limits. No I/O; one thread's; any bytes are allowed.
+// The bytes of a connection, taken apart into HTTP/1 requests within limits. No I/O; one thread's; any bytes
+// are allowed.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// What the page's interface is asked and what it answers: as values, without the network, and as the bytes of an answer. Plain
-// values and pure functions; thread-safe; they allocate.
+// What the page's interface is asked and what it answers: as values, without the network, and as the bytes of
+// an answer. Plain values and pure functions; thread-safe; they allocate.
 #pragma once
 
 #include <cstddef>
@@ -32,8 +32,9 @@ struct Target {
   std::map<std::string, std::string> query;
 };
 
-/// "/path?name=value&…", each part decoded (RFC 3986; + in the query is a blank). Fails unless it begins with '/', all
-/// escapes are whole, and what comes out is UTF-8 without control characters. Of a name that comes twice the first counts.
+/// "/path?name=value&…", each part decoded (RFC 3986; + in the query is a blank). Fails unless it begins with
+/// '/', all escapes are whole, and what comes out is UTF-8 without control characters. Of a name that comes
+/// twice the first counts.
 Result<Target> parse_target(std::string_view text);
 
 /// Whether it is UTF-8 (RFC 3629), without control characters.
@@ -45,7 +46,8 @@ struct Response {
   std::shared_ptr<const std::string> body{};  ///< null: empty
   /// Names this content; a viewer that has it is not sent it again. Empty: it is never kept by a viewer.
   std::string etag{};
-  /// Content-Security-Policy in place of the server's own, for documents that hold their own style. Empty: the server's.
+  /// Content-Security-Policy in place of the server's own, for documents that hold their own style. Empty:
+  /// the server's.
   std::string policy{};
   std::string cookie{};  ///< to be set, with status 303, which sends the viewer to the page
 };
@@ -74,8 +76,8 @@ struct Answer {
   std::string head;                         ///< with the empty line
   std::shared_ptr<const std::string> body;  ///< null: none
 };
-/// keep_alive: whether the connection stays open. known: what If-None-Match says; where that is the content's name, the
-/// answer is 304 and has no body.
+/// keep_alive: whether the connection stays open. known: what If-None-Match says; where that is the content's
+/// name, the answer is 304 and has no body.
 Answer answer_of(const Response& response, bool head_only, bool keep_alive,
                  std::optional<std::string_view> known = {});
 /// Of the event stream, which ends with its connection.

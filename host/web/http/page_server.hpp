@@ -1,9 +1,9 @@
-// Serves the page and its interface over HTTP, on threads of its own that the host's own work goes before. Reads and
-// writes sockets; the object belongs to one thread.
+// Serves the page and its interface over HTTP, on threads of its own that the host's own work goes before.
+// Reads and writes sockets; the object belongs to one thread.
 //
-// Limits: a request's head 16 kB, its body 256 kB; 200 connections, of which those that have shown no right to ask are
-// closed first; 20 viewers of the event stream; one slow request at a time, 16 waiting. What is beyond is answered 503,
-// what is malformed 400.
+// Limits: a request's head 16 kB, its body 256 kB; 200 connections, of which those that have shown no right
+// to ask are closed first; 20 viewers of the event stream; one slow request at a time, 16 waiting. What is
+// beyond is answered 503, what is malformed 400.
 #pragma once
 
 #include <chrono>
@@ -27,8 +27,9 @@ struct ListenAddress {
   bool operator==(const ListenAddress&) const = default;
 };
 
-/// "ADDRESS:PORT", one of the two, or nothing: what is left out is the default. An address is in figures, that of IPv6 in
-/// brackets; "localhost" is 127.0.0.1. Port 0: any that is free. Fails with what was given and an example.
+/// "ADDRESS:PORT", one of the two, or nothing: what is left out is the default. An address is in figures,
+/// that of IPv6 in brackets; "localhost" is 127.0.0.1. Port 0: any that is free. Fails with what was given
+/// and an example.
 Result<ListenAddress> parse_listen_address(std::string_view text);
 
 /// How long a viewer may take.
@@ -53,8 +54,8 @@ struct ServerSettings {
 
 class PageServer {
  public:
-  /// Router and hub must outlive the server; nothing is added to the router any more. Fails with a line that names address
-  /// and port.
+  /// Router and hub must outlive the server; nothing is added to the router any more. Fails with a line that
+  /// names address and port.
   static Result<std::unique_ptr<PageServer>> open(const ServerSettings& settings, const Router& router,
                                                   EventHub& hub);
   ~PageServer();
@@ -68,8 +69,9 @@ class PageServer {
   std::string url_with_secret() const;
   const std::string& secret() const;
 
-  /// Tells the viewers of the event stream (`end`) and closes, within half a second. False if a slow request goes on: then
-  /// what its handler uses, the router included, must be left as it is, and the process ended by _exit().
+  /// Tells the viewers of the event stream (`end`) and closes, within half a second. False if a slow request
+  /// goes on: then what its handler uses, the router included, must be left as it is, and the process ended
+  /// by _exit().
   bool end();
 
  private:

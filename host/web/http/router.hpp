@@ -1,4 +1,5 @@
-// Which function answers which path. Filled before the server starts, then only read: thread-safe from there on.
+// Which function answers which path. Filled before the server starts, then only read: thread-safe from there
+// on.
 #pragma once
 
 #include <functional>
@@ -21,8 +22,9 @@ class Router {
  public:
   using Handler = std::function<Response(const Request&)>;
 
-  /// pattern: "/api/v1/sessions/{session}/shots"; a name in braces matches one part of the path that is not empty. Of
-  /// several patterns that match the one with the fewest names counts, of those the first. What is got with GET is also told with HEAD.
+  /// pattern: "/api/v1/sessions/{session}/shots"; a name in braces matches one part of the path that is not
+  /// empty. Of several patterns that match the one with the fewest names counts, of those the first. What is
+  /// got with GET is also told with HEAD.
   void get(std::string pattern, Work work, Handler handler) {
     add("GET", std::move(pattern), work, std::move(handler));
   }

@@ -1,5 +1,5 @@
-// Threads whose work can wait, since the host's own comes first; one does one job after the other, from a queue of limited
-// length. Thread-safe.
+// Threads whose work can wait, since the host's own comes first; one does one job after the other, from a
+// queue of limited length. Thread-safe.
 #pragma once
 
 #include <condition_variable>
@@ -11,8 +11,8 @@
 
 namespace strobe::web {
 
-/// A thread that the scheduler prefers others to (SCHED_BATCH, niceness 10) and that no signal interrupts. name: at most 15
-/// characters. What throws ends the thread's work, not the program.
+/// A thread that the scheduler prefers others to (SCHED_BATCH, niceness 10) and that no signal interrupts.
+/// name: at most 15 characters. What throws ends the thread's work, not the program.
 std::thread background_thread(const char* name, std::function<void()> work);
 
 class Worker {
@@ -24,8 +24,8 @@ class Worker {
 
   /// False if the queue is full, or the end has come: the job is not done.
   bool add(std::function<void()> job);
-  /// Jobs that wait are dropped; the one under way is waited for, a fifth of a second at most. False if it still goes on:
-  /// then what it uses must be left as it is until the process ends.
+  /// Jobs that wait are dropped; the one under way is waited for, a fifth of a second at most. False if it
+  /// still goes on: then what it uses must be left as it is until the process ends.
   bool end();
 
  private:
@@ -41,8 +41,8 @@ class Worker {
   std::shared_ptr<State> state_ = std::make_shared<State>();
 };
 
-/// Whether a job of some worker goes on although its worker has ended: the process should end without taking down what
-/// the job uses (_exit).
+/// Whether a job of some worker goes on although its worker has ended: the process should end without taking
+/// down what the job uses (_exit).
 bool work_left_behind();
 
 }  // namespace strobe::web

@@ -19,7 +19,8 @@ struct Device {
 
 /// Opened by the first call, which allocates.
 const Device& device();
-/// For whoever reads a clock: nullptr until the program begins, since an allocator may ask for the time with its lock held.
+/// For whoever reads a clock: nullptr until the program begins, since an allocator may ask for the time with
+/// its lock held.
 const Device* mapped_device_or_null();
 
 /// The node exists: mapped and not unplugged.

@@ -1,5 +1,5 @@
-// What a program draws of the system, where a run is to repeat to the byte (TimeKeeper::Repeatable): the same numbers each
-// time, others in each program.
+// What a program draws of the system, where a run is to repeat to the byte (TimeKeeper::Repeatable): the same
+// numbers each time, others in each program.
 #include <sys/random.h>
 
 #include <atomic>

@@ -1,5 +1,5 @@
-// Requesting lines, and reconfiguring what was requested: GPIO_GET_LINEHANDLE_IOCTL and GPIO_GET_LINEEVENT_IOCTL of uAPI v1,
-// GPIO_V2_GET_LINE_IOCTL of v2. Each returns 0 or a negated errno.
+// Requesting lines, and reconfiguring what was requested: GPIO_GET_LINEHANDLE_IOCTL and
+// GPIO_GET_LINEEVENT_IOCTL of uAPI v1, GPIO_V2_GET_LINE_IOCTL of v2. Each returns 0 or a negated errno.
 #pragma once
 
 #include <linux/gpio.h>
