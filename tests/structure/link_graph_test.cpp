@@ -12,6 +12,7 @@
 #include "tests/structure/folder_graph.hpp"
 #include "tests/structure/source_tree.hpp"
 #include "tests/support/string_from.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace {
 
@@ -87,6 +88,19 @@ TEST(LinkGraph, EveryFileIsCompiled) {
     const bool is_source = file.path.ends_with(".cpp") && top_folder(file.path) != "tests";
     const bool other_libgpiod = file.path.find("gpio_chip_v") != std::string::npos;
     if (is_source && !other_libgpiod && !compiled.contains(file.path)) wrong += "\n  " + file.path;
+  }
+  CHECK_EQUAL("", wrong);
+}
+
+TEST(LinkGraph, EveryFoldersDutyStandsInTheREADMEAbove) {
+  std::string wrong;
+  for (const auto& [folder, targets] : targets_by_folder(built())) {
+    std::filesystem::path above = std::filesystem::path(folder).parent_path();
+    if (above.empty()) continue;
+    while (!std::filesystem::exists(repository_root() / above / "README.md")) above = above.parent_path();
+    const std::string name = std::filesystem::path(folder).lexically_relative(above).string();
+    const std::string text = strobe::testing::read_text(repository_root() / above / "README.md");
+    if (text.find("`" + name + "/`") == std::string::npos) wrong += "\n  " + folder;
   }
   CHECK_EQUAL("", wrong);
 }
