@@ -1,4 +1,5 @@
-// A folder is a library: one target compiles all of its files and no others', and no library links itself by way of others. As the build has it: CMakeLists.txt writes its targets into link_graph.txt.
+// A folder is a library: one target compiles all of its files and no others', and no library links itself by
+// way of others. As the build has it: CMakeLists.txt writes its targets into link_graph.txt.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -42,8 +43,8 @@ const LinkGraph& built() {
 /// The same program or library made with another libgpiod.
 bool is_variant(const std::string& target) { return target.find("gpiod2") != std::string::npos; }
 
-/// Folders of several libraries: firmware links neither JSON nor the reduction, and the library that is loaded before a
-/// program's own has the chip's files once more, with nothing else.
+/// Folders of several libraries: firmware links neither JSON nor the reduction, and the library that is
+/// loaded before a program's own has the chip's files once more, with nothing else.
 const std::set<std::string> kDivided{"common/messages", "sim/gpiochip"};
 
 /// Folders of the product and the targets that compile files of theirs.
