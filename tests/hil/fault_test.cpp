@@ -92,7 +92,8 @@ RigFixtureOptions slow_train() {
   return options;
 }
 
-/// A process is stopped by its first thread, which on a busy machine comes late to it; the others go on until then.
+/// A process is stopped by its first thread, which on a busy machine comes late to it; the others go on until
+/// then.
 bool stands_still(pid_t pid) {
   const std::filesystem::directory_iterator threads("/proc/" + std::to_string(pid) + "/task");
   return std::all_of(begin(threads), end(threads), [](const auto& thread) {
@@ -101,7 +102,8 @@ bool stands_still(pid_t pid) {
   });
 }
 
-/// Stops whoever reads edges just after the third flash, and makes it miss some. False: the shot ended before.
+/// Stops whoever reads edges just after the third flash, and makes it miss some. False: the shot ended
+/// before.
 bool flood_in_mid_train(const RigFixture& bench, Process& fire) {
   LineWatcher watch(bench.chip_dir());
   for (int flash = 0; flash < 3; ++flash)
@@ -162,7 +164,7 @@ TEST(Fault, APhotographThatNeverComesIsSaidWhenTheFilesPatienceIsOver) {
   Process fire = bench.start(bench.fire(1, 0));
   const std::int64_t closed = watch.wait_for("SHUTTER", 0, fire);
   CHECK(fire.wait_for_out("vx_td_mps", kLongestWait));
-  const std::int64_t took = monotonic_now_ns() - closed;
+  const std::int64_t took = watch.now_ns() - closed;
   CHECK_EQUAL(ExitStatus({1, 0}), fire.wait(kLongestWait));
   const std::vector<nlohmann::json> answers = readouts(fire.out());
   LONGS_EQUAL(1, answers.size());

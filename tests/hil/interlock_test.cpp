@@ -23,7 +23,7 @@ std::size_t shots_fired(const RigFixture& bench) { return read_log(bench.journal
 /// Between two instants.
 struct Span {
   std::string what;
-  std::int64_t from_ns = monotonic_now_ns();
+  std::int64_t from_ns;
   std::int64_t to_ns = INT64_MAX;
 };
 
@@ -76,17 +76,18 @@ TEST(Interlock, FiresTheMachineOnceAShotWhenAllIsWellAndElseRefusesInWords) {
   ReadyRig bench;
   const auto fired = ran(bench.fire(1, 0));
   const std::size_t live = shots_fired(bench);
-  const std::int64_t dry_from = monotonic_now_ns();
+  const LineWatcher clock(bench.chip_dir());
+  const std::int64_t dry_from = clock.now_ns();
   const auto dry = ran(bench.fire(1, 0, {"--dry"}));
   const std::size_t all = shots_fired(bench);
   std::vector<Span> refusals;
   for (const auto& [line, word] : {std::pair{"KEY", "key"}, std::pair{"ESTOP", "stop"}}) {
-    Span refused{line};
+    Span refused{line, clock.now_ns()};
     bench.drive(std::string(line) + "=0");
     const auto tried = bench.refused(bench.fire(1, 0), word);
     CHECK_TEXT(tried.status == ExitStatus({1, 0}), tried.err.c_str());
     CHECK_TEXT(tried.err.find(word) != std::string::npos, (tried.err + bench.log()).c_str());
-    refused.to_ns = monotonic_now_ns();
+    refused.to_ns = clock.now_ns();
     bench.drive(std::string(line) + "=1");
     refusals.push_back(refused);
   }

@@ -203,9 +203,9 @@ SupportedCircle CircleSupport::fit(const Circle& start, double radius_min, doubl
 }
 
 void CircleSupport::claim(const Circle& circle) {
-  constexpr double kBand = 2.0;
+  constexpr double kReach = 2.0;
   std::vector<std::size_t> on;
-  visit_ring(circle, kBand, [&](std::size_t i, double, double, double) { on.push_back(i); });
+  visit_ring(circle, kReach, [&](std::size_t i, double, double, double) { on.push_back(i); });
   for (const std::size_t i : on) claimed_[i] = 1;
 }
 

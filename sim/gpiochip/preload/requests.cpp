@@ -370,8 +370,8 @@ int request_event(gpioevent_request& request) {
 
 int configure_handle(std::uint32_t slot, const gpiohandle_config& config) {
   State& state = *device().state;
-  constexpr std::uint32_t kDirections = GPIOHANDLE_REQUEST_INPUT | GPIOHANDLE_REQUEST_OUTPUT;
-  if (!handle_flags_valid(config.flags) || (config.flags & kDirections) == 0) return -EINVAL;
+  constexpr std::uint32_t kOneDirection = GPIOHANDLE_REQUEST_INPUT | GPIOHANDLE_REQUEST_OUTPUT;
+  if (!handle_flags_valid(config.flags) || (config.flags & kOneDirection) == 0) return -EINVAL;
   const sys::NoSignals quiet;
   const ChipLock lock(device().folder);
   if (lock.error() != 0) return lock.error();
