@@ -17,11 +17,6 @@ Duration impact_at(const ShotPlan& plan, const PlanLimits& limits) {
   return plan.impact_at == Duration{} ? limits.impact_at : plan.impact_at;
 }
 
-/// From the train's first instant to its last flash.
-Duration length_of(const ShotPlan& plan, std::int32_t flashes) {
-  return plan.code.empty() ? plan.period * (flashes - 1) : plan.code.back().offset;
-}
-
 Problem in_code(std::size_t i, const std::string& what) {
   return PlanProblem{"intervals_us", "flash " + std::to_string(i) + " of the coded train " + what};
 }
@@ -67,7 +62,7 @@ Problem check_gated(const ShotPlan& plan, const PlanLimits& limits) {
   if (!plan.code.empty() && plan.flash_count != static_cast<std::int32_t>(plan.code.size()))
     return PlanProblem{"flash_count", "a flash_count of " + std::to_string(plan.flash_count) +
                                           " is not that of the coded train"};
-  const Duration burst = plan.gate_delay + length_of(plan, plan.flash_count) + limits.lamp_pulse;
+  const Duration burst = plan.gate_delay + train_length(plan, plan.flash_count) + limits.lamp_pulse;
   if (burst <= plan.exposure) return std::nullopt;
   return PlanProblem{"gate_delay_ms", "gate delay and burst take " + us(burst) +
                                           ", longer than the exposure of " + us(plan.exposure)};

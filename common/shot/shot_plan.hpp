@@ -1,4 +1,4 @@
-// Which of the two strobe lamps. Plain values; real-time safe.
+// A shot that is asked for: its lamps, its train, its times. Plain values; real-time safe.
 #pragma once
 
 #include <boost/container/static_vector.hpp>
@@ -47,5 +47,10 @@ struct ShotPlan {
 
   bool operator==(const ShotPlan&) const = default;
 };
+
+/// From the train's first instant to its last flash.
+inline Duration train_length(const ShotPlan& plan, std::int32_t flashes) {
+  return plan.code.empty() ? plan.period * (flashes - 1) : plan.code.back().offset;
+}
 
 }  // namespace strobe

@@ -13,11 +13,6 @@ Duration impact_at(const ShotPlan& plan, const Rig& rig) {
   return plan.impact_at == Duration{} ? rig.plan.impact_at : plan.impact_at;
 }
 
-/// From the train's first instant to its last flash.
-Duration length_of(const ShotPlan& plan, std::int32_t flashes) {
-  return plan.code.empty() ? plan.period * (flashes - 1) : plan.code.back().offset;
-}
-
 }  // namespace
 
 PlanLimits plan_limits(const Rig& rig) {
@@ -80,7 +75,8 @@ void build_schedule(const ShotPlan& plan, const Rig& rig, PulseSchedule& schedul
 }
 
 bool add_burst(const ShotPlan& plan, const Rig& rig, Duration first, PulseSchedule& schedule) noexcept {
-  if (first + length_of(plan, schedule.flash_count) + rig.lamps.pulse > schedule.exposure_end) return false;
+  if (first + train_length(plan, schedule.flash_count) + rig.lamps.pulse > schedule.exposure_end)
+    return false;
   add_train(plan, rig, first, schedule);
   assert(schedule.pulses.back().at <= schedule.exposure_end);
   return true;

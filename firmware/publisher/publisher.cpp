@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/messages/channels.hpp"
+#include "common/messages/well_formed.hpp"
 
 namespace strobe::firmware {
 
@@ -19,13 +20,6 @@ constexpr std::size_t kBatch = 512;        // so that a burst is published while
 constexpr std::size_t kResendBatch = 128;  // so that new events do not wait for a long resend
 constexpr std::size_t kMaxUnwritten = 100'000;
 constexpr Duration kPause = milliseconds(2);  // leaves the receiver's socket time to empty
-
-template <typename T>
-std::vector<std::uint8_t> encoded(const T& message) {
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
-}
 
 /// What a person did for safety, or the rig for a person: the journal must tell it even if the power fails
 /// next.
@@ -134,7 +128,7 @@ void Publisher::take(const Event& event) {
   outbox_.push_back({Message::Kind::event,
                      {sequence_, sequence_},
                      event_channel_,
-                     encoded(to_message(event, settings_.boot_id, sequence_))});
+                     messages::encode(to_message(event, settings_.boot_id, sequence_))});
   if (event.kind == EventKind::started) report_earlier_boots(event.device_time);
 }
 
@@ -162,7 +156,7 @@ void Publisher::take(ShotRecord* record) {
   const SequenceRange sequences{shot_first_sequence_, sequence_};
   const auto notes = merged(rig_.record, mailbox_.take(record->host_id, record->command_id));
   outbox_.push_back({Message::Kind::shot, sequences, shot_channel_,
-                     encoded(to_message(*record, rig_, settings_.boot_id, sequences, notes))});
+                     messages::encode(to_message(*record, rig_, settings_.boot_id, sequences, notes))});
   timing_.seen(*record);
   queue_.give_back(record);
   sync_due_ = true;
@@ -225,7 +219,7 @@ void Publisher::publish_status() {
   parts.queue_overflows = queue_.overflows();
   parts.earlier = settings_.found.earlier;
   parts.rejected = settings_.rejected();
-  bus_.publish(status_channel_, encoded(to_message(parts, timing_, histograms_)));
+  bus_.publish(status_channel_, messages::encode(to_message(parts, timing_, histograms_)));
   next_status_ = clock_.now() + kHeartbeat;
   settings_.on_status(status_.state);
   if (settings_.on_first_status && sequence_ > 0) std::exchange(settings_.on_first_status, nullptr)();

@@ -41,14 +41,6 @@ std::optional<std::string> invalid_setting(const DigitizeSettings& s) {
   return std::nullopt;
 }
 
-std::optional<SurfaceLine> surface_of(const reduction::Frame& frame) {
-  if (frame.surface_px.size() < 2) return std::nullopt;
-  SurfaceLine line;
-  line.sd_px = frame.surface_sd_px.value_or(0.0);
-  for (const auto& p : frame.surface_px) line.points.emplace_back(p.x, p.y);
-  return line;
-}
-
 /// Wall time of consecutive stages.
 class Stopwatch {
  public:
@@ -303,7 +295,7 @@ Result<Digitization> digitize(const Photograph& photograph, const DigitizeSettin
 }
 
 void measure_contacts(Digitization& digitization) {
-  const auto surface = surface_of(digitization.frame);
+  const auto surface = surface_line_of(digitization.frame);
   if (!surface) return;
   double top_sd = 0.0, width_sd = 0.0;
   for (std::size_t i = 0; i < digitization.outlines.size(); ++i) {

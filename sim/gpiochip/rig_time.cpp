@@ -182,10 +182,6 @@ std::int64_t wake_up_latency() {
   return 10'000 + static_cast<std::int64_t>(60'000.0 * u * u * u);
 }
 
-struct timespec timespec_of(std::int64_t ns) {
-  return {static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
-}
-
 int look_at(struct pollfd* polled, nfds_t count) {
   const struct timespec at_once {};
   return sys::ppoll(polled, count, &at_once, nullptr);
@@ -215,11 +211,11 @@ int wait_natively(State& state, struct pollfd* polled, nfds_t count, std::int64_
   for (;;) {
     if (!is_kept(state)) {
       const struct timespec left =
-          timespec_of(std::clamp<std::int64_t>(until_ns - now_ns(state), 0, INT64_C(1'000'000'000'000)));
+          sys::to_timespec(std::clamp<std::int64_t>(until_ns - now_ns(state), 0, INT64_C(1'000'000'000'000)));
       return sys::ppoll(polled, count, &left, &open);
     }
     if (time.now_ns.load() >= until_ns) return look_at(polled, count);
-    const struct timespec slice = timespec_of(kKeeperLooksAfter);
+    const struct timespec slice = sys::to_timespec(kKeeperLooksAfter);
     signalled = 0;
     const int ready = sys::ppoll(polled, count, &slice, &open);
     if (ready > 0 || (ready < 0 && (ready != -EINTR || signalled == 0))) return ready;

@@ -37,10 +37,6 @@ struct flock byte_lock(short type, std::int64_t byte) {
   return lock;
 }
 
-struct timespec to_timespec(std::int64_t ns) {
-  return {static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
-}
-
 using ClockFunction = int(clockid_t, struct timespec*);
 std::atomic<ClockFunction*> native_clock{nullptr};
 

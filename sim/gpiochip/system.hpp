@@ -38,6 +38,9 @@ void unmap(void* address, std::size_t size);
 int clock_gettime(clockid_t clock, struct timespec* time);  ///< native, whatever is preloaded
 std::int64_t now_ns();  ///< CLOCK_MONOTONIC of the machine; see rig_time.hpp
 std::int64_t clock_ns(clockid_t clock);
+inline struct timespec to_timespec(std::int64_t ns) {  ///< valid: not negative
+  return {static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
+}
 void sleep_ns(std::int64_t duration);   ///< may end early
 void futex_wake_all(const void* word);  ///< across processes
 /// Sleeps while *word == expected, until an absolute instant of CLOCK_MONOTONIC.

@@ -125,10 +125,6 @@ Scene without_distortion(Scene scene) {
   return scene;
 }
 
-double modulo_pi(double angle_rad) {
-  return angle_rad - std::numbers::pi * std::floor(angle_rad / std::numbers::pi);
-}
-
 class Truth {
  public:
   Truth(const Scene& scene, const Appearance& appearance)

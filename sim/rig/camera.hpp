@@ -1,7 +1,7 @@
-// A camera turned about the lens: how that moves what it would have seen square to the balls' plane. A
-// rotation about the lens is the homography K·R·K^-1 of the photograph (Hartley, Zisserman, Multiple View
-// Geometry, 8.4), K = diag(f, f, 1) with f the lens' distance in px; then the photograph is shifted so that
-// the foot of the axis stays where it was. Turned by a to the right alone, with x and y from the foot:
+// The scene's camera, also turned about the lens: how that moves what it would have seen square to the balls'
+// plane. A rotation about the lens is the homography K·R·K^-1 of the photograph (Hartley, Zisserman, Multiple
+// View Geometry, 8.4), K = diag(f, f, 1) with f the lens' distance in px; then the photograph is shifted so
+// that the foot of the axis stays where it was. Turned by a to the right alone, with x and y from the foot:
 //   x' = x / (cos²(a)·(1 + x·tan(a)/f)),  y' = y / (cos(a)·(1 + x·tan(a)/f)).
 // Plain values; thread-safe; no allocation.
 #pragma once
@@ -14,6 +14,11 @@
 #include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
+
+/// The direction of a line, in [0, pi).
+inline double modulo_pi(double angle_rad) {
+  return angle_rad - std::numbers::pi * std::floor(angle_rad / std::numbers::pi);
+}
 
 class Slant {
  public:
@@ -80,7 +85,7 @@ class Slant {
 // that at its centre, 1 + 3k·|p|²/r0² along p and 1 + k·|p|²/r0² across; the centre of its area is farther
 // out by the share 3k·a·b/r0², as the outer parts are the more enlarged. All to first order in k.
 //
-// A camera turned by swing_deg and tilt_deg sees all of that through a homography (slant.hpp), exactly but
+// A camera turned by swing_deg and tilt_deg sees all of that through a homography (as above), exactly but
 // for the equator's angle, which is turned by its derivative at the ball's centre.
 
 /// The image of one ball on the photograph: an ellipse, and on it a line through its centre.

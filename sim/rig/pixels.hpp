@@ -1,5 +1,4 @@
-// How far each pixel of one row is covered by spans of it: the inside of pixels.hpp. Not thread-safe; keeps
-// its buffer.
+// The image of one ball on a grid of pixels, by how far each pixel is covered.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +13,8 @@
 
 namespace strobe::sim {
 
-/// A row's coverage by spans, as differences along it; x = 0 is the left side of the row's first pixel.
+/// A row's coverage by spans, as differences along it; x = 0 is the left side of the row's first pixel. Not
+/// thread-safe; keeps its buffer.
 class RowCoverage {
  public:
   void clear(std::size_t width) {

@@ -21,10 +21,6 @@ constexpr std::array kSurfacePoints{-0.95, -0.70, 0.70, 0.95};
 
 std::optional<double> known(double sd) { return sd > 0.0 ? std::optional(sd) : std::nullopt; }
 
-double modulo_pi(double angle_rad) {
-  return angle_rad - std::numbers::pi * std::floor(angle_rad / std::numbers::pi);
-}
-
 Leg leg_seen(const BallState& state, double time_s, double dwell_s, double visible_m) {
   if (state.top_drop_m > visible_m) return Leg::contact;
   return time_s < 0.5 * dwell_s ? Leg::incoming : Leg::rebound;

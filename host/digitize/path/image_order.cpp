@@ -252,14 +252,6 @@ using reduction::BallImage;
 using reduction::Frame;
 using reduction::Leg;
 
-std::optional<SurfaceLine> line_of(const Frame& frame) {
-  if (frame.surface_px.size() < 2) return std::nullopt;
-  SurfaceLine line;
-  line.sd_px = frame.surface_sd_px.value_or(0.0);
-  for (const auto& p : frame.surface_px) line.points.emplace_back(p.x, p.y);
-  return line;
-}
-
 /// Images added by hand are kept whether or not they lie on the path.
 void assign_outliers(Path& path, std::span<const PathPoint> points, const PathContext& context) {
   for (const Path::Outlier& outlier : path.outliers) {
@@ -314,10 +306,18 @@ void set_legs_and_times(const TimeOrder& order, const OrderSettings& settings, F
 
 }  // namespace
 
+std::optional<SurfaceLine> surface_line_of(const Frame& frame) {
+  if (frame.surface_px.size() < 2) return std::nullopt;
+  SurfaceLine line;
+  line.sd_px = frame.surface_sd_px.value_or(0.0);
+  for (const auto& p : frame.surface_px) line.points.emplace_back(p.x, p.y);
+  return line;
+}
+
 void order_images(Frame& frame, std::vector<Outline>& outlines, const OrderSettings& settings,
                   std::vector<std::string>& remarks) {
   if (outlines.size() != frame.images.size() || outlines.empty()) return;
-  const auto surface = line_of(frame);
+  const auto surface = surface_line_of(frame);
   const auto points = path_points(outlines, surface);
   TimeContext context;
   context.path = path_context(outlines, surface, settings.ball_diameter_m, settings.flash_times_s);

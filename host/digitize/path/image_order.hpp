@@ -47,6 +47,9 @@ struct OrderSettings {
       bounce;  ///< of several, whose legs and times are wanted, from 1; absent: see path_order.hpp
 };
 
+/// The surface's line as the frame has it; nullopt if it has none.
+std::optional<SurfaceLine> surface_line_of(const reduction::Frame& frame);
+
 /// Orders images and their outlines (as many) by the centres and the frame's surface line, if it has one. A
 /// leg that an image already has is kept. Sets time_s and flash_index from the flashes; times are
 /// not-a-number without them, with fewer flashes than images, or if no steady flight passes through the

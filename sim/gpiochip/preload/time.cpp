@@ -36,9 +36,6 @@ gpio::State* known() {
   return was_kept ? state : nullptr;
 }
 
-struct timespec timespec_of(std::int64_t ns) {
-  return {static_cast<time_t>(ns / kSecond), static_cast<long>(ns % kSecond)};
-}
 std::int64_t ns_of(const struct timespec& time) { return time.tv_sec * kSecond + time.tv_nsec; }
 
 /// False: a clock of the thread or the process, which is the machine's.
@@ -74,7 +71,8 @@ int sleep_in_rig_time(gpio::State& state, std::int64_t duration_ns, struct times
   const int result = duration_ns > 0 ? gpio::wait_for(state, nullptr, 0, duration_ns) : 0;
   errno = before;
   if (result == 0) return 0;
-  if (left != nullptr) *left = timespec_of(until > gpio::now_ns(state) ? until - gpio::now_ns(state) : 0);
+  if (left != nullptr)
+    *left = gpio::sys::to_timespec(until > gpio::now_ns(state) ? until - gpio::now_ns(state) : 0);
   return EINTR;
 }
 
@@ -101,7 +99,7 @@ int wait_for_condition(gpio::State& state, pthread_cond_t* condition, pthread_mu
   static auto* const native = gpio::next<TimedWaitFunction>("pthread_cond_clockwait");
   int result = ETIMEDOUT;
   const bool ended = gpio::wait_in_slices(state, monotonic_of(state, clock, ns_of(*until)), [&] {
-    const struct timespec slice = timespec_of(gpio::sys::now_ns() + 1'000'000);
+    const struct timespec slice = gpio::sys::to_timespec(gpio::sys::now_ns() + 1'000'000);
     result = native(condition, mutex, CLOCK_MONOTONIC, &slice);
     return result != ETIMEDOUT;
   });
@@ -116,7 +114,7 @@ STROBE_EXPORT int clock_gettime(clockid_t clock, struct timespec* time) noexcept
   gpio::State* state = known();
   std::int64_t ns = 0;
   if (state == nullptr || !read_clock(*state, clock, ns)) return gpio::sys::clock_gettime(clock, time);
-  *time = timespec_of(ns);
+  *time = gpio::sys::to_timespec(ns);
   return 0;
 }
 
