@@ -56,9 +56,9 @@ Command fire_elsewhere(RigFixture& bench, const std::vector<std::string>& more) 
 
 /// A refusal cannot be journalled, so that it is not published either; the status has said why. Judged by one
 /// of later than the command, once that of the shot before is no longer on its way.
-void expect_no_token(RawHost& host) {
+void expect_no_token(const RigFixture& bench, RawHost& host) {
   CHECK(host.wait([&] { return host.status().arm_token == 0; }, kLongestWait));
-  const std::int64_t sent_ns = monotonic_now_ns();
+  const std::int64_t sent_ns = LineWatcher(bench.chip_dir()).now_ns();
   host.send(host.command(strobe_msgs::command_t::ARM));
   CHECK(host.wait([&] { return host.status().mono_ns > sent_ns + 100'000'000; }, kLongestWait));
   LONGS_EQUAL(0, host.status().arm_token);
@@ -98,7 +98,7 @@ TEST(Disk, FullOrTakenAwayItRefusesShotsWithTheReasonAndARunningOneEndsSafely) {
   CHECK(host.wait_status());
   CHECK_FALSE(host.status().journal_ok);
   STRCMP_CONTAINS("no room for another shot: No space left on device", host.status().message.c_str());
-  expect_no_token(host);
+  expect_no_token(bench, host);
   const auto refused = bench.refused(fire_elsewhere(bench, {}), "no room for another shot");
   CHECK_EQUAL(ExitStatus({1, 0}), refused.status);
   STRCMP_CONTAINS("no room for another shot", refused.err.c_str());
@@ -116,7 +116,7 @@ TEST(Disk, FullOrTakenAwayItRefusesShotsWithTheReasonAndARunningOneEndsSafely) {
   CHECK(watch.wait_for("SHUTTER", 0, 5s) != 0);
   CHECK(host.wait([&] { return !host.status().journal_ok; }, kLongestWait));
   STRCMP_CONTAINS("the journal was removed; restart strobed", host.status().message.c_str());
-  expect_no_token(host);
+  expect_no_token(bench, host);
   last.signal(SIGINT);
   last.wait(20s);
   const LineChanges changes = bench.finish();

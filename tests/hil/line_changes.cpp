@@ -122,11 +122,11 @@ std::int64_t LineWatcher::wait_for_nth(const std::string& line, int level, int n
 void LineWatcher::unplug() { chip_.unplug(); }
 
 void LineWatcher::drive(const std::string& line, int level) {
-  chip_.drive(number(line), level, from_ns(testing::monotonic_now_ns()));
+  chip_.drive(number(line), level, chip_.now());
 }
 
 void LineWatcher::open_wire(const std::string& line) {
-  chip_.open_wire(number(line), from_ns(testing::monotonic_now_ns()));
+  chip_.open_wire(number(line), chip_.now());
 }
 
 sim::LineState LineWatcher::state(const std::string& line) const { return chip_.state(number(line)); }

@@ -126,7 +126,7 @@ TEST(Log, WithCommandsInItNeverFiresARigAgain) {
   RawHost host(first);
   CHECK(host.wait_status());
   CHECK(host.arm() != 0);
-  const std::int64_t before = monotonic_now_ns();
+  const std::int64_t before = LineWatcher(first.chip_dir()).now_ns();
   run_process(player(first.lcm_url(), log), kLongestWait);
   host.listen(1s);
   const LineChanges changes = first.finish();
