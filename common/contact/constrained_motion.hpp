@@ -1,5 +1,5 @@
-// Quintic B-splines on uniform knots over 0…1 (C. de Boor, A Practical Guide to Splines, chapter X).
-// Pure; thread-safe; allocates.
+// The motion through the contact by constrained smoothing splines: quintic B-splines on uniform knots over
+// 0…1 (C. de Boor, A Practical Guide to Splines, chapter X). Pure; thread-safe; allocates.
 #pragma once
 
 #include <Eigen/Dense>
@@ -80,7 +80,7 @@ Result<ConstrainedSpline> fit_constrained_spline(std::span<const double> t, std:
                                                  const EndConditions& ends,
                                                  const SplineOptions& options = {});
 
-// The motion through the contact by constrained smoothing splines (constrained_spline.hpp), in SI units: the
+// The motion through the contact by these splines, in SI units: the
 // differentiation approach given the velocities of the airborne images besides. Pure; thread-safe; allocates.
 
 /// Velocities on either side of the contact, measured in the air.

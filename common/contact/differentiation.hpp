@@ -1,7 +1,7 @@
-// Least squares of a cubic polynomial: the thesis's differentiation approach fits one to each contact
-// fraction. Solved by QR with column pivoting in u = (t - centre)/half_width, which keeps the digits of times
-// that lie close together or far from zero; the coefficients in powers of t follow from those in u. Pure;
-// thread-safe; allocates.
+// The thesis's differentiation approach: a cubic polynomial fitted to each contact fraction by least squares.
+// Solved by QR with column pivoting in u = (t - centre)/half_width, which keeps the digits of times that lie
+// close together or far from zero; the coefficients in powers of t follow from those in u. Pure; thread-safe;
+// allocates.
 #pragma once
 
 #include <array>

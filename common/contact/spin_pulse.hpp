@@ -4,7 +4,7 @@
 // alpha))·F_y (limited to mu·F_y) for a force `offset_m` = d ahead of it (rolling friction).
 //
 // With alpha·m·R²·domega = R·F_x·dt + d·F_y·dt every quantity is linear in the pulse's two integrals I1 and
-// I2 (impact/closed_form/pulse_integrals.hpp), so positions and the rotation are closed forms throughout; the
+// I2 (impact/closed_form/sine_pulse.hpp), so positions and the rotation are closed forms throughout; the
 // thesis stopped before the rotation. With d = 0 the lift-off is that of impact::rigid(). The simplified form
 // uses the thesis's approximations of I1 and I2, which are not quite each other's derivative.
 //

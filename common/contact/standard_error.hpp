@@ -1,5 +1,6 @@
-// A motion through the contact as a function of the time fraction, whatever it was computed by: pulse,
-// contact ODE, or fitted curve. Thread-safe; making one copies its source and allocates.
+// How well motions through the contact agree with the images in it: standard errors, and cross-validation. A
+// motion is a function of the time fraction, whatever it was computed by: pulse, contact ODE, or fitted
+// curve. Thread-safe; making one copies its source and allocates.
 #pragma once
 
 #include <functional>

@@ -1,7 +1,7 @@
-// Pareto smoothed importance weights: the largest weights are replaced by the quantiles of a generalized
-// Pareto distribution fitted to them, whose shape k tells whether importance sampling can be trusted (A.
-// Vehtari, D. Simpson, A. Gelman, Y. Yao and J. Gabry, Pareto smoothed importance sampling, 2015; the fit
-// after J. Zhang and M. Stephens, Technometrics 51, 2009). Pure; thread-safe; allocates.
+// Importance sampling, with Pareto smoothed weights: the largest weights are replaced by the quantiles of a
+// generalized Pareto distribution fitted to them, whose shape k tells whether importance sampling can be
+// trusted (A. Vehtari, D. Simpson, A. Gelman, Y. Yao and J. Gabry, Pareto smoothed importance sampling, 2015;
+// the fit after J. Zhang and M. Stephens, Technometrics 51, 2009). Pure; thread-safe; allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,7 +32,7 @@ struct SmoothedWeights {
 /// Of the logarithms of the weights, up to a constant; -infinity for a weight of 0.
 SmoothedWeights smoothed_weights(const Eigen::VectorXd& log_weights);
 
-// Importance sampling from a multivariate t distribution, with Pareto smoothed weights (pareto_tail.hpp), the
+// Importance sampling from a multivariate t distribution, with smoothed weights, the
 // proposal fitted to the weighted sample and drawn from again where it does not match the density well enough
 // (O. Cappé, A. Guillin, J. Marin and C. Robert, Population Monte Carlo, 2004). Deterministic for a seed;
 // thread-safe; allocates.

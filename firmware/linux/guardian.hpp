@@ -1,6 +1,6 @@
 // strobed's parent. It requests the output lines and forks the worker, so that both hold them. When the
 // worker dies of whatever cause, hangs, or can no longer drive its outputs, the guardian drives them
-// inactive. It learns of the loop's death before the kernel takes the worker apart (lifeline.hpp): the
+// inactive. It learns of the loop's death before the kernel takes the worker apart (shared_status.hpp): the
 // outputs are inactive within 1 ms. It does little else (it passes signals on, and talks to the service
 // manager), so that it does not fail together with the worker; its memory is locked and its priority one
 // above the loop's, where allowed.

@@ -47,7 +47,7 @@ nlohmann::ordered_json shot_json(const ShotRow& row, const std::optional<std::st
 nlohmann::ordered_json quantities_json();
 
 /// {"summary","points","limits","thesis"}. rows: all shots of the series in the order of firing, those that
-/// do not count, too; dry ones are left out. Limits: host/series/individuals_chart.hpp; null where there are
+/// do not count, too; dry ones are left out. Limits: host/series/series.hpp; null where there are
 /// too few shots.
 nlohmann::ordered_json series_page_json(const host::SeriesSummary& summary,
                                         const std::optional<thesis::Condition>& condition,

@@ -1,5 +1,5 @@
 // Reads a scene's tables, one function each: names of keys, units, ranges. Errors are reported to the tables'
-// reader. Implementation of parse_scene.hpp; allocates.
+// reader. Implementation of load_scene.hpp; allocates.
 #pragma once
 
 #include <numbers>

@@ -1,4 +1,4 @@
-// The lines of the simulated rig's chip: their names and offsets. Values only.
+// What the simulated rig is and does, its chip's lines included. Values only.
 #pragma once
 
 #include <array>

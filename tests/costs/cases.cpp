@@ -13,7 +13,6 @@
 #include "common/reduction/reduce.hpp"
 #include "common/messages/lcm_conversions.hpp"
 #include "common/reduction/matching/flash_match.hpp"
-#include "common/reduction/reduce.hpp"
 #include "host/assembly/flash_times.hpp"
 #include "host/assembly/assemble.hpp"
 #include "host/digitize/digitize.hpp"

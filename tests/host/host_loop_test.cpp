@@ -22,7 +22,6 @@
 #include "tests/support/string_from.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include "tests/support/string_from.hpp"
 
 namespace {
 

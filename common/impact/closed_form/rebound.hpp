@@ -1,5 +1,5 @@
-// Errors of the impact models: what is wrong with their inputs. An enumeration, so that the models allocate
-// nothing.
+// Rebound models that have a formula, and what may be wrong with their inputs: an enumeration, so that the
+// models allocate nothing.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
-// The integrals of the damped sine pulse exp(-f·theta)·sin(theta) over 0…theta: the velocity and the position
-// of a ball in contact. Their textbook forms lose digits by cancellation of order theta² and theta³ at the
-// start of the contact; here they are sums of terms of one sign, accurate to 1e-13 relative over the whole
-// range (tests compare with 50 digits). Pure functions, no allocation: thread-safe, real-time safe.
+// The damped sine pulse, and the integrals of exp(-f·theta)·sin(theta) over 0…theta: the velocity and the
+// position of a ball in contact. Their textbook forms lose digits by cancellation of order theta² and theta³
+// at the start of the contact; here they are sums of terms of one sign, accurate to 1e-13 relative over the
+// whole range (tests compare with 50 digits). Pure functions, no allocation: thread-safe, real-time safe.
 #pragma once
 
 #include <tl/expected.hpp>

@@ -131,7 +131,7 @@ class SegmentNodes {
   /// Without the couple since the segment's start.
   alignas(16) Points free_spin, free_slip, free_stretch;
   alignas(16) Points friction;  ///< slipping: its impulse
-  /// Gripping: the solutions (damped_series.hpp), and the weights of the integrals of exp(2bt)·S·D',
+  /// Gripping: the solutions, and the weights of the integrals of exp(2bt)·S·D',
   /// exp(2bt)·W·D'.
   alignas(16) Points sine, cosine_rate, cosine, of_sine, of_cosine;
 

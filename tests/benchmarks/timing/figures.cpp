@@ -7,13 +7,11 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <filesystem>
 #include <stdexcept>
 
 #include "host/figures/svg.hpp"
 #include <string_view>
 
-#include "host/figures/svg.hpp"
 
 namespace strobe::benchmarks::timing {
 namespace {

@@ -1,7 +1,6 @@
 #include "tests/benchmarks/timing/freeze_detector.hpp"
 
 #include "tests/benchmarks/timing/figures.hpp"
-#include "tests/benchmarks/timing/figures.hpp"
 
 #include "tests/support/string_from.hpp"
 

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <functional>
 
-#include "host/commission/light_step.hpp"
 
 #include "tests/support/string_from.hpp"
 

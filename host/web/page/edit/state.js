@@ -25,7 +25,6 @@ export function measuredOf(edits, key) {
 }
 
 export const isRemoved = (edits, key) => edits.removed.includes(partsOf(key).index);
-export const isChanged = (edits, key) => partsOf(key).index in edits.changed;
 
 function withMeasured(edits, key, measured) {
   const { index, id } = partsOf(key);
