@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
 #include <optional>
 
 #include "tests/studies/trade/studies.hpp"
@@ -66,7 +67,7 @@ std::optional<Study> shot_study(const Effort& effort) {
   if (!scenes) return std::nullopt;
   const int shots = effort.quick ? 5 : 100;
   std::vector<Known> known;
-  std::vector<sim::ModelChooser> choosers;
+  std::deque<sim::ModelChooser> choosers;
   for (const sim::SceneFile& file : *scenes) {
     const sim::Scene& scene = file.scene.value();
     if (scene.camera.pixels || (effort.quick && known.size() == 2)) continue;
