@@ -21,8 +21,9 @@
 
 namespace strobe::host {
 
+/// Every path in it begins with `folder`.
 struct StoredSession {
-  std::filesystem::path folder;
+  std::filesystem::path folder;             ///< as it was named, perhaps relative to the working directory
   RigFile rig;                              ///< as used
   std::string plan_text;                    ///< likewise
   std::vector<std::filesystem::path> logs;  ///< those that were read, oldest first

@@ -41,8 +41,8 @@ class ReportProgress {
  public:
   void tell(std::size_t done, std::size_t of, const std::string& at) {
     const auto now = std::chrono::steady_clock::now();
-    if (now - begun_ < std::chrono::seconds(2) || now - told_ < std::chrono::milliseconds(500)) return;
-    told_ = now;
+    if (now - begun_ < std::chrono::seconds(2) || now - shown_ < std::chrono::milliseconds(500)) return;
+    shown_ = now;
     const bool terminal = isatty(STDERR_FILENO) != 0;
     std::fprintf(stderr, "%sreport: %s, %zu of %zu%s", terminal ? "\r\033[K" : "", at.c_str(), done, of,
                  terminal ? "" : "\n");
@@ -57,7 +57,7 @@ class ReportProgress {
 
  private:
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
-  std::chrono::steady_clock::time_point told_{};
+  std::chrono::steady_clock::time_point shown_{};
   bool line_open_ = false;
 };
 
@@ -88,8 +88,12 @@ Result<ReportInput> stated_input(const ReportOptions& options) {
   return input;
 }
 
+/// Beside a PDF that --out names.
 fs::path html_path(const ReportOptions& options) {
-  return options.out.empty() ? fs::path(options.folders.front()) / "report.html" : fs::path(options.out);
+  if (options.out.empty()) return fs::path(options.folders.front()) / "report.html";
+  fs::path out = options.out;
+  if (out.extension() == ".pdf") out.replace_extension(".html");
+  return out;
 }
 
 int write_report(const report::Report& made, const ReportOptions& options, const fs::path& printer) {
@@ -109,6 +113,8 @@ int write_report(const report::Report& made, const ReportOptions& options, const
 int run_report(const ReportOptions& options) {
   auto input = stated_input(options);
   if (!input) return bad_input(input.error().message);
+  if (!options.pdf && fs::path(options.out).extension() == ".pdf")
+    return bad_input("report: --out " + options.out + ": a PDF is written with --pdf");
   fs::path printer;
   if (options.pdf) {
     const auto found = report::find_pdf_printer();
@@ -161,7 +167,7 @@ void add_report_command(CLI::App& app, int& exit_status) {
   command->add_option("SESSION", options->folders, "Folders that `strobe fire` wrote")->required();
   command->add_option("--out", options->out, "File to write (default: report.html in the first folder)")
       ->type_name("FILE.html");
-  command->add_flag("--pdf", options->pdf, "Besides, FILE.pdf, if weasyprint is installed");
+  command->add_flag("--pdf", options->pdf, "FILE.pdf besides FILE.html, if weasyprint is installed");
   command
       ->add_option("--limit", options->limits,
                    "State conformity of each condition's mean; as e=0.80..0.86 or e=..0.86; may be repeated")

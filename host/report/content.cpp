@@ -116,8 +116,8 @@ void set_days(Content& content) {
 bool is_known_spin(const std::string& spin) { return rank_of(spin) < static_cast<int>(kSpins.size()); }
 
 std::string folder_name(const StoredSession& session) {
-  const auto name = session.folder.filename();
-  return (name.empty() ? session.folder.parent_path().filename() : name).string();
+  const auto whole = std::filesystem::absolute(session.folder).lexically_normal();
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
 std::vector<std::pair<const StoredSession*, std::string>> Content::sessions() const {

@@ -193,8 +193,7 @@ Table files_of(const StoredSession& session, const std::string& key) {
   std::set<fs::path> known;
   for (const host::Shot& shot : session.shots) {
     const auto add_once = [&](const fs::path& file, const char* what) {
-      const fs::path path = file.is_absolute() ? file : session.folder / file;
-      if (!file.empty() && known.insert(path).second) add_file(table, session.folder, path, what);
+      if (!file.empty() && known.insert(file).second) add_file(table, session.folder, file, what);
     };
     if (shot.photograph) add_once(*shot.photograph, "photograph");
     for (const host::Digitization& each : shot.digitizations) {

@@ -87,8 +87,7 @@ Result<reduction::Frame> frame_of(const host::Shot& shot) {
 /// with why there is none, for a person.
 Result<Picture> overlay_picture(const host::StoredSession& session, const host::Shot& shot) {
   if (!shot.photograph) return fail("No photograph is kept.");
-  const auto path = shot.photograph->is_absolute() ? *shot.photograph : session.folder / *shot.photograph;
-  const auto photograph = digitize::load_photograph(path);
+  const auto photograph = digitize::load_photograph(*shot.photograph);
   if (!photograph) return fail("The photograph cannot be shown: " + photograph.error().message + ".");
   const auto settings = host::digitize_settings(session.rig, photograph->width(), photograph->height());
   if (!settings) return fail("The photograph cannot be shown: " + settings.error().message + ".");

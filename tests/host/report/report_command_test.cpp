@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include "common/authentication/key_file.hpp"
 #include "tests/host/archive/written_session.hpp"
@@ -65,6 +66,24 @@ TEST(ReportCommand, GivesTheSameBytesEachTime) {
   CHECK(read_text(folder / "a.html") == read_text(folder / "b.html"));
 }
 
+TEST(ReportCommand, IsTheSameHoweverItsFolderIsNamed) {
+  // Its contents are of no interest here, but that they are found.
+  fs::create_directory(folder / "today/photographs");
+  fs::copy_file(fs::path(STROBE_TEST_DATA) / "images/colour8.png", folder / "today/photographs/shot-0001-a.png");
+  testing::check_prints(report({"--out", folder / "whole.html"}), {"whole.html"});
+  const std::string whole = read_text(folder / "whole.html");
+  STRCMP_CONTAINS("data:image/jpeg", whole.c_str());
+  for (const auto& [from, name] : std::map<std::string, std::string>{
+           {".", "today"}, {"bin", "../today/"}, {"today", "."}, {"today/photographs", ".."}}) {
+    fs::create_directories(folder / "bin");
+    const auto run = testing::run_program({"/bin/sh", "-c", "cd \"$0\" && exec \"$@\"", folder / from,
+                                           STROBE_PROGRAM, "report", name, "--key-file", folder / "lab.key", "--out",
+                                           folder / "relative.html"});
+    testing::check_prints(run, {"relative.html"});
+    CHECK_TEXT(read_text(folder / "relative.html") == whole, name.c_str());
+  }
+}
+
 TEST(ReportCommand, TellsTheWholeReportAsOneObject) {
   const json all = testing::json_of(report({"--json", "--limit", "e=0.5..1", "--decision-rule", "simple"}));
   LONGS_EQUAL(16, all["report"]["id"].get<std::string>().size());
@@ -88,6 +107,7 @@ TEST(ReportCommand, RefusesWhatItCannotUseInOneLine) {
                                 {{"--received", "yesterday"}, "--received must be a day as 2026-11-21"},
                                 {{"--decision-rule", "lenient"}, "lenient"},
                                 {{folder / "absent"}, "absent"},
+                                {{"--out", "x.pdf"}, "--out x.pdf: a PDF is written with --pdf"},
                                 {{"--rig", folder / "absent.toml"}, "absent.toml"}};
   for (const Case& each : cases) {
     const auto refused = report(each.words);
@@ -120,6 +140,12 @@ TEST(ReportCommand, PrintsAPdfByTheProgramThatIsThere) {
   const std::string pdf = read_text(folder / "today/report.pdf");
   STRCMP_CONTAINS("1769817600", pdf.c_str());  // the shots' day, 2026-01-31
   STRCMP_CONTAINS("End of report", pdf.c_str());
+  const auto named = testing::run_program({STROBE_PROGRAM, "report", folder / "today", "--key-file",
+                                           folder / "lab.key", "--pdf", "--out", folder / "x.pdf"},
+                                          {{"PATH", folder / "bin"}});
+  testing::check_prints(named, {"x.html", "x.pdf"});
+  CHECK(read_text(folder / "x.pdf") == pdf);
+  CHECK(read_text(folder / "x.html") == read_text(folder / "today/report.html"));
   for (const auto& entry : fs::directory_iterator(folder / "today"))
     CHECK_TEXT(entry.path().filename().string().rfind(".printing", 0) != 0, entry.path().c_str());
 }
