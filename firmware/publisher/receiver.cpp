@@ -55,10 +55,10 @@ bool good_note(const strobe_msgs::note_t& note) {
 
 /// Who asks, as the command tells for a person: one word.
 ShortText host_name_in(const strobe_msgs::command_t& command) {
-  constexpr std::size_t kLongest = 64;
+  constexpr std::size_t kLongestName = 64;
   for (const auto& note : command.notes) {
     if (note.key != messages::kHostNameNote || !good_note(note)) continue;
-    std::string name = note.value.substr(0, kLongest);
+    std::string name = note.value.substr(0, kLongestName);
     std::replace_if(
         name.begin(), name.end(), [](unsigned char c) { return c <= ' ' || c == 0x7f; }, '_');
     return ShortText(std::string_view(name));

@@ -115,7 +115,7 @@ void FiredShots::watch_readout(const LogMessage& message, authentication::Bytes 
     reading_.try_emplace(host, HostHeard{message.time, message.log});
   strobe_msgs::readout_t readout;
   if (messages::decode_checked(readout, bytes.data(), bytes.size()))
-    told_[{readout.boot_id, readout.shot_id}] = message.time;
+    read_out_[{readout.boot_id, readout.shot_id}] = message.time;
 }
 
 void FiredShots::watch_command(const LogMessage& message) {
@@ -135,8 +135,8 @@ const LoggedFrame* FiredShots::frame(const ShotKey& key) const {
 const LoggedFrame* FiredShots::late_frame(const ShotKey& key) const {
   const auto shot = shots_.find(key);
   const auto logged = frames_.find(key);
-  const auto told = told_.find(key);
-  if (shot == shots_.end() || !shot->second.summary || logged == frames_.end() || told == told_.end())
+  const auto told = read_out_.find(key);
+  if (shot == shots_.end() || !shot->second.summary || logged == frames_.end() || told == read_out_.end())
     return nullptr;
   const bool measured = shot->second.result && shot->second.result->frame() != nullptr;
   return measured || told->second < logged->second.time ? nullptr : &logged->second;

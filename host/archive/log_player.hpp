@@ -128,7 +128,7 @@ class FiredShots final : public HostListener, public MessageHandler {
   std::map<std::int64_t, WallTime> boots_;
   std::map<std::int64_t, HostHeard> commanding_, reading_;
   std::map<ShotKey, LoggedFrame> frames_;
-  std::map<ShotKey, WallTime> told_;                                     ///< the newest readout of each shot
+  std::map<ShotKey, WallTime> read_out_;                                 ///< the newest readout of each shot
   std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> armed_;  ///< boot, sequence: by whom
 };
 

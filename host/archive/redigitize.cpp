@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -19,6 +18,7 @@
 #include "host/clock/machine_clock.hpp"
 #include "host/photographs/digitization_json.hpp"
 #include "host/session/session_folder.hpp"
+#include "host/text/text.hpp"
 
 namespace strobe::host {
 namespace {
@@ -217,20 +217,6 @@ Completion complete(StoredSession& session) {
 }
 
 namespace {
-
-template <typename Number>
-bool take(std::string_view& text, Number& number, int base) {
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), number, base);
-  if (read.ec != std::errc()) return false;
-  text.remove_prefix(static_cast<std::size_t>(read.ptr - text.data()));
-  return true;
-}
-
-bool take(std::string_view& text, std::string_view word) {
-  if (!text.starts_with(word)) return false;
-  text.remove_prefix(word.size());
-  return true;
-}
 
 /// A digitization's times are those of the flashes, which are found anew; one that matched none (null) is
 /// read like the others. Whether there was such an image.

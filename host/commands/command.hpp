@@ -2,7 +2,7 @@
 // its options live as long as the application. When the subcommand was chosen, its callback runs it and
 // stores the exit status: 0 done, 1 ran but the shot or check failed, 2 bad usage or input (one line on
 // stderr). Single-threaded. A new subcommand: declare it here, define it in host/commands/<name>_command.cpp,
-// add it in host/main.cpp.
+// add it in program.cpp.
 #pragma once
 
 #include <string>
@@ -17,6 +17,9 @@ namespace strobe::host {
 inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kBadInput = 2;
+
+/// The command line as main() has it; returns the exit status.
+int run_program(int argc, char** argv);
 
 void add_fire_command(CLI::App& app, int& exit_status);
 void add_live_command(CLI::App& app, int& exit_status);

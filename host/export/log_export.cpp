@@ -32,7 +32,7 @@ std::string hexadecimal(authentication::Bytes bytes) {
 }
 
 /// STROBE/<rig>/<KIND>; empty: another program's.
-std::string kind_of(const std::string& channel) {
+std::string packet_kind(const std::string& channel) {
   return channel.starts_with("STROBE/") ? channel.substr(channel.rfind('/') + 1) : std::string();
 }
 
@@ -40,7 +40,7 @@ Packet packet_of(const wire::LogRecord& record, const std::optional<authenticati
   Packet packet;
   packet.logged_us = record.wall_us;
   packet.channel = record.channel;
-  packet.kind = kind_of(record.channel);
+  packet.kind = packet_kind(record.channel);
   const authentication::Bytes bytes(record.bytes);
   packet.message = authentication::message_of(bytes);
   if (packet.message.size() < bytes.size())

@@ -90,7 +90,7 @@ class JsonVisitor {
     return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
   }
   static nlohmann::ordered_json json_of(std::int64_t value) {
-    return value == kNoTime ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
+    return value == kNoTime_ns ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
   }
 
   nlohmann::ordered_json object_;

@@ -46,7 +46,7 @@ bool is_identifier(std::string_view name);
 std::string identifier_text(std::string_view name, std::int64_t value);
 
 /// The instant that is none, in every type that has one.
-inline constexpr std::int64_t kNoTime = INT64_MIN;
+inline constexpr std::int64_t kNoTime_ns = INT64_MIN;
 
 class RowVisitor {
  public:
@@ -70,7 +70,7 @@ class RowVisitor {
     if (is_identifier(name))
       add(name, identifier_text(name, wide), "string", meaning);
     else
-      add(name, wide == kNoTime ? std::string() : std::to_string(wide), "integer", meaning);
+      add(name, wide == kNoTime_ns ? std::string() : std::to_string(wide), "integer", meaning);
   }
 
   template <typename Message>

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
-#include <charconv>
 #include <string_view>
 #include <strobe_msgs/readout_t.hpp>
 
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/reduction/mixture.hpp"
+#include "host/text/text.hpp"
 
 namespace strobe::host {
 namespace {
@@ -130,15 +130,15 @@ void HostLoop::on_frame(const strobe_msgs::frame_t& message) {
   if (verifies() && message.boot_id == 0)
     return notify(fmt::format(
         "a frame of shot {} is not used: it does not say of which start of the firmware", message.shot_id));
-  take_in(message);
+  process(message);
 }
 
-void HostLoop::take_in(const strobe_msgs::shot_t& shot) {
+void HostLoop::process(const strobe_msgs::shot_t& shot) {
   if (photographs_) photographs_->on_shot(shot);
   session_.on_shot(shot, now_);
 }
 
-void HostLoop::take_in(const strobe_msgs::frame_t& frame) {
+void HostLoop::process(const strobe_msgs::frame_t& frame) {
   if (photographs_) photographs_->on_frame(frame);
   session_.on_frame(frame, now_);
   report();
@@ -149,7 +149,7 @@ void HostLoop::publish_photographs() {
     for (HostListener* listener : listeners_) listener->on_photograph(kept);
   for (const auto& frame : photographs_->take_frames()) {
     publish(messages::Channel::frame, frame);  // first, so that a log holds what a result came from
-    take_in(frame);
+    process(frame);
   }
   for (const std::string& text : photographs_->take_notifications()) notify(text);
   for (const std::string& text : photographs_->take_not_kept()) tell_not_kept(text);
@@ -267,33 +267,17 @@ namespace {
 
 using strobe_msgs::event_t;
 
-/// Takes `words` off the text's beginning.
-bool take(std::string_view& text, std::string_view words) {
-  const bool there = text.starts_with(words);
-  if (there) text.remove_prefix(words.size());
-  return there;
-}
-
-std::optional<std::int64_t> take_number(std::string_view& text, int base) {
-  std::int64_t number = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), number, base);
-  if (read.ec != std::errc()) return std::nullopt;
-  text.remove_prefix(static_cast<std::size_t>(read.ptr - text.data()));
-  return number;
-}
-
 struct Disarmed {
   std::int64_t command_id = 0, host_id = 0;
 };
 
 /// Of the event's detail, as event_t.lcm gives it.
 std::optional<Disarmed> disarmed_in(std::string_view detail) {
-  if (!take(detail, "disarmed by command ")) return std::nullopt;
-  const auto command_id = take_number(detail, 10);
-  if (!command_id || !take(detail, " of ")) return std::nullopt;
-  const auto host_id = take_number(detail, 16);
-  if (!host_id) return std::nullopt;
-  return Disarmed{*command_id, *host_id};
+  Disarmed found;
+  if (!take(detail, "disarmed by command ") || !take(detail, found.command_id, 10) || !take(detail, " of ") ||
+      !take(detail, found.host_id, 16))
+    return std::nullopt;
+  return found;
 }
 
 }  // namespace

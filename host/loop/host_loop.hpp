@@ -101,8 +101,8 @@ class HostLoop final : private MessageHandler {
   void set_wake_descriptor(int descriptor) { wake_descriptor_ = descriptor; }
   PhotographPipeline* photographs() { return photographs_.get(); }
   /// A summary, or a frame, from an earlier run's log.
-  void take_in(const strobe_msgs::shot_t& shot);
-  void take_in(const strobe_msgs::frame_t& frame);
+  void process(const strobe_msgs::shot_t& shot);
+  void process(const strobe_msgs::frame_t& frame);
   /// The readouts of these shots have been published before, and are not again.
   void mark_read_out(const std::set<ShotKey>& shots) { read_out_ = shots; }
 

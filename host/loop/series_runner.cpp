@@ -24,7 +24,7 @@ void SeriesRunner::enter(Phase phase) {
 }
 
 void SeriesRunner::take_in_first(FormerRuns former) {
-  take_in_.emplace(loop_, std::move(former));
+  resumption_.emplace(loop_, std::move(former));
   enter(Phase::taking_in);
 }
 
@@ -37,7 +37,7 @@ void SeriesRunner::on_shot_result(const Shot& result) {
 }
 
 void SeriesRunner::step() {
-  if (phase_ == Phase::taking_in && take_in_->finished()) enter(Phase::firing);
+  if (phase_ == Phase::taking_in && resumption_->finished()) enter(Phase::firing);
   if (phase_ == Phase::firing) send_commands();  // what a message has led to since
   if (phase_ == Phase::firing && series_.finished())
     enter(loop_.disarming() ? Phase::disarming : Phase::recovering);

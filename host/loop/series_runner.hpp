@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host/loop/host_loop.hpp"
-#include "host/loop/take_in.hpp"
+#include "host/loop/resumption.hpp"
 #include "host/session/session_folder.hpp"
 #include "host/session/shot_series.hpp"
 
@@ -27,7 +27,7 @@ class SeriesRunner final : public HostListener {
   /// Called once, before the series begins.
   void set_on_begin(std::function<void()> on_begin) { on_begin_ = std::move(on_begin); }
   /// Shots in the folder that count, of earlier runs.
-  int counted_before() const { return take_in_ ? take_in_->former().counted() : 0; }
+  int counted_before() const { return resumption_ ? resumption_->former().counted() : 0; }
 
   void step();
   /// Ends the series before its time: the shot under way is aborted, the rig disarmed, whoever armed it,
@@ -66,7 +66,7 @@ class SeriesRunner final : public HostListener {
   HostTime entered_;
   std::function<void()> on_begin_;
   bool hurried_ = false;  ///< lost events are not waited for
-  std::optional<TakeIn> take_in_;
+  std::optional<Resumption> resumption_;
   std::optional<GapRecovery> recovery_;
 };
 

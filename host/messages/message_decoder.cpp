@@ -109,13 +109,13 @@ std::optional<PacketCheck::Bytes> PacketCheck::open(std::string_view channel, By
 std::optional<std::string> PacketCheck::due_line(HostTime now) {
   // What came twice by the network's fault is nobody's attack: it is counted, and no line's cause.
   const std::int64_t strange = counts_.sum() - counts_[Unverified::replayed];
-  const std::int64_t strange_told = told_.sum() - told_[Unverified::replayed];
+  const std::int64_t strange_told = reported_.sum() - reported_[Unverified::replayed];
   if (strange == strange_told || (told_at_ && now - *told_at_ < kQuiet)) return std::nullopt;
-  std::string line = "packets ignored that are not the lab's: " + words_of(counts_, told_);
-  if (counts_[Unverified::other_key] > told_[Unverified::other_key])
+  std::string line = "packets ignored that are not the lab's: " + words_of(counts_, reported_);
+  if (counts_[Unverified::other_key] > reported_[Unverified::other_key])
     line += " (has that program this lab's key? see strobe key)";
   assert(strange > strange_told);
-  told_ = counts_;
+  reported_ = counts_;
   told_at_ = now;
   return line;
 }

@@ -70,7 +70,7 @@ class PacketCheck {
   std::optional<authentication::PacketSeal> seal_;
   std::int64_t own_sender_;
   authentication::ReplayWindows windows_;
-  authentication::UnverifiedCounts counts_, told_;
+  authentication::UnverifiedCounts counts_, reported_;
   std::optional<HostTime> told_at_;
 };
 

@@ -104,7 +104,7 @@ Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folde
 }
 
 void SessionFolder::note(const Result<void>& done) {
-  if (!done && told_.insert(done.error().message).second) failures_.push_back(done.error().message);
+  if (!done && reported_.insert(done.error().message).second) failures_.push_back(done.error().message);
 }
 
 void SessionFolder::log(const std::string& channel, std::span<const std::uint8_t> message, WallTime wall) {

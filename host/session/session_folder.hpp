@@ -95,7 +95,7 @@ class SessionFolder {
   /// New failures in words, each once: which file, why.
   std::vector<std::string> take_failures() { return std::exchange(failures_, {}); }
   /// Whether there ever was one.
-  bool failed() const { return !told_.empty(); }
+  bool failed() const { return !reported_.empty(); }
   /// What is not stored, a line for each file: nothing, or what waits, is lost or may be.
   std::vector<std::string> unstored() const;
 
@@ -125,7 +125,7 @@ class SessionFolder {
   FlashesCsv flashes_;
   RecordFile text_;
   std::vector<std::string> failures_;
-  std::set<std::string> told_;
+  std::set<std::string> reported_;
   std::map<std::filesystem::path, std::string>
       doubts_;  ///< what may be lost or is no longer in its place, and why
 };

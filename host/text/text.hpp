@@ -2,6 +2,7 @@
 // thread-safe.
 #pragma once
 
+#include <charconv>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,22 @@ std::string right(std::string_view text, std::size_t width);
 /// The value with as many decimals as its uncertainty has significance (two digits of the sd), at least
 /// `least` and at most 6.
 std::string rounded(double value, double sd, int least = 0);
+
+/// Takes the word off the text's beginning. False: it does not begin so, and stays as it is.
+inline bool take(std::string_view& text, std::string_view word) {
+  if (!text.starts_with(word)) return false;
+  text.remove_prefix(word.size());
+  return true;
+}
+
+/// Likewise a whole number in this base.
+template <typename Number>
+bool take(std::string_view& text, Number& number, int base) {
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), number, base);
+  if (read.ec != std::errc()) return false;
+  text.remove_prefix(static_cast<std::size_t>(read.ptr - text.data()));
+  return true;
+}
 
 // Widths that the tables of shots and series have in common. Pure; thread-safe.
 

@@ -76,10 +76,10 @@ void LiveFeed::step(host::HostLoop& loop, const host::ViewModel& model, const Pr
   }
   LiveStatus status = status_of(loop, model, progress);
   const bool due = !told_any_ || loop.now() - told_at_ >= kTellEvery;
-  if (due || differ(status, told_)) {
+  if (due || differ(status, published_)) {
     told_any_ = true;
     told_at_ = loop.now();
-    told_ = status;
+    published_ = status;
     if (waiting_.size() < kMaxWaiting / 2) add(std::move(status));
   }
   channel_.put(waiting_);

@@ -54,7 +54,7 @@ class LiveFeed final : public host::HostListener {
   bool left_out_ = false;
   std::shared_ptr<const strobe_msgs::status_t> heard_;  ///< the newest status, copied once
   HostTime heard_at_;
-  LiveStatus told_;
+  LiveStatus published_;
   bool told_any_ = false;
   HostTime told_at_;
 };

@@ -16,6 +16,9 @@
 
 namespace strobe::sim {
 
+/// The command line as main() has it; returns the exit status.
+int run_program(int argc, char** argv);
+
 /// Prints "strobe-sim: message" on stderr and returns the status.
 int report_error(const std::string& message, int status);
 

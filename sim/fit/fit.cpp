@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/units/angles.hpp"
 #include "sim/fit/bounce.hpp"
 #include "sim/rig/tablet.hpp"
 
@@ -142,8 +143,6 @@ Result<FittedScene> fit_scene(const Condition& condition) {
 
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-
 std::string spin_words(const std::string& spin) {
   if (spin == "zero") return "no spin";
   return spin == "top" ? "topspin" : "backspin";
@@ -190,12 +189,12 @@ std::string to_toml(const FittedScene& fitted, const thesis::Condition& conditio
   text += "\n[ball]\n" + fmt::format("alpha = {}\n", fitted.scene.ball.alpha);
   text += "\n[machine]\n";
   text += entry("speed_mps", m.speed_mps) + spread("speed_sd_mps", m.speed_sd_mps);
-  text += entry("angle_deg", m.angle_rad * kDegrees) + spread("angle_sd_deg", m.angle_sd_rad * kDegrees);
+  text += entry("angle_deg", degrees(m.angle_rad)) + spread("angle_sd_deg", degrees(m.angle_sd_rad));
   text += entry("spin_radps", m.spin_radps) + spread("spin_sd_radps", m.spin_sd_radps);
   text += bounce(fitted.scene.bounce);
   text += "\n[tablet]\n";
   text += fmt::format("centre_sd_mm = {:.6g}\nequator_sd_deg = {:.6g}\n", t.centre_sd_m * 1e3,
-                      t.equator_sd_rad * kDegrees);
+                      degrees(t.equator_sd_rad));
   return text;
 }
 

@@ -14,12 +14,12 @@ namespace {
 
 /// Velocities change at rates of q·|v|, at most 3 per second for a tennis ball of 60 m/s in usual air, so
 /// that a step of the classical Runge-Kutta method errs by less than v·(2e-3·3)^5/120 or 1e-13 of v.
-constexpr double kStep_s = 2e-3;
-constexpr double kLongest_s = 60.0;
+constexpr double kFlightStep_s = 2e-3;
+constexpr double kLongestFlight_s = 60.0;
 /// With rates of 25 per second, of a fast ball in air ten times as dense, a step errs by 20 um.
 constexpr double kRoughStep_s = 1e-2;
 
-double steps_to(double time_s, double step_s = kStep_s) { return std::ceil(std::abs(time_s) / step_s); }
+double steps_to(double time_s, double step_s = kFlightStep_s) { return std::ceil(std::abs(time_s) / step_s); }
 
 /// A FlightState of one instant (double) or of several side by side (an array).
 template <typename Real>
@@ -184,9 +184,9 @@ std::optional<double> Flight::time_back_down_s() const {
 std::optional<double> Flight::time_back_at_x_s(double x_m) const {
   FlightState s = start_;
   for (int steps = 0; s.x_m > x_m;) {
-    s = step(s, -kStep_s);
+    s = step(s, -kFlightStep_s);
     ++steps;
-    if (!(s.vx_mps > 0.0) || steps * kStep_s > kLongest_s) return std::nullopt;
+    if (!(s.vx_mps > 0.0) || steps * kFlightStep_s > kLongestFlight_s) return std::nullopt;
     if (s.x_m > x_m) continue;
     // Newton from the last step's end, where the path is nearly straight.
     double rest_s = 0.0;
@@ -194,7 +194,7 @@ std::optional<double> Flight::time_back_at_x_s(double x_m) const {
       const FlightState near = step(s, rest_s);
       rest_s -= (near.x_m - x_m) / near.vx_mps;
     }
-    return rest_s - steps * kStep_s;
+    return rest_s - steps * kFlightStep_s;
   }
   return 0.0;
 }

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/messages/parsed_json.hpp"
+#include "common/units/angles.hpp"
 #include "sim/photograph/appearance.hpp"
 #include "sim/random/draws.hpp"
 #include "sim/rig/camera.hpp"
@@ -137,8 +138,6 @@ void add_noise(cv::Mat& light, double sd, std::uint64_t seed) {
 }
 
 constexpr double kFar_m = 100.0;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-
 /// The board as the turned camera has it before itself: x right, y down.
 void turn(const Slant& slant, BoardView& view) {
   const Eigen::Vector3d down(1.0, -1.0, 1.0);
@@ -148,8 +147,8 @@ void turn(const Slant& slant, BoardView& view) {
   view.place.aside_m = {middle.x(), middle.y()};
   view.place.distance_m = middle.z();
   // Of a turn about x, then y, then z.
-  view.place.turns_deg = {kDegrees * std::atan2(r(2, 1), r(2, 2)), -kDegrees * std::asin(r(2, 0)),
-                          kDegrees * std::atan2(r(1, 0), r(0, 0))};
+  view.place.turns_deg = {degrees(std::atan2(r(2, 1), r(2, 2))), -degrees(std::asin(r(2, 0))),
+                          degrees(std::atan2(r(1, 0), r(0, 0)))};
   view.camera.lens_aside_px[0] += slant.shift_px().x();
   view.camera.lens_aside_px[1] -= slant.shift_px().y();
 }

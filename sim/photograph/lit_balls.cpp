@@ -8,14 +8,13 @@
 #include "common/messages/parsed_json.hpp"
 #include "sim/random/draws.hpp"
 #include "sim/rig/camera.hpp"
+#include "sim/rig/pixels.hpp"
 #include "sim/rig/truth.hpp"
 
 namespace strobe::sim {
 
 namespace {
 
-constexpr double kSpacing_px = 0.25;  // of the balls that a smeared one is the mean of
-constexpr int kMaxInstants = 64;
 constexpr int kOutlinePoints = 64;
 
 std::array<double, 2> light_of(const Pulse& pulse, std::uint64_t index, const Appearance& appearance,

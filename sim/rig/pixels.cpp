@@ -10,10 +10,8 @@ namespace {
 
 constexpr double kBarLength = 0.6;  // half length and half width of the bar over the half diameter
 constexpr double kBarWidth = 0.06;
-constexpr double kBarReach = 0.61;    // of its corners: hypot(.6, .06) = .603
-constexpr double kInside = 0.8;       // of the half diameter: what is not brightest in there is the bar
-constexpr double kSpacing_px = 0.25;  // of the balls that a smeared one is the mean of
-constexpr double kMaxInstants = 64.0;
+constexpr double kBarReach = 0.61;  // of its corners: hypot(.6, .06) = .603
+constexpr double kInside = 0.8;     // of the half diameter: what is not brightest in there is the bar
 
 struct Span {
   double from = 0.0;
@@ -75,7 +73,7 @@ std::uint8_t grey(double ball, double bar) {
 int instants_of(const MotionBlur& smear, double half_diameter_px) {
   const double way =
       std::hypot(smear.x_px, smear.y_px) + kBarLength * half_diameter_px * std::abs(smear.turn_rad);
-  return static_cast<int>(std::clamp(std::ceil(way / kSpacing_px), 1.0, kMaxInstants));
+  return static_cast<int>(std::clamp(std::ceil(way / kSpacing_px), 1.0, double{kMaxInstants}));
 }
 
 }  // namespace

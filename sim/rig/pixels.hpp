@@ -13,6 +13,10 @@
 
 namespace strobe::sim {
 
+/// A smeared image is the mean of balls so far apart, and of at most so many.
+inline constexpr double kSpacing_px = 0.25;
+inline constexpr int kMaxInstants = 64;
+
 /// A row's coverage by spans, as differences along it; x = 0 is the left side of the row's first pixel. Not
 /// thread-safe; keeps its buffer.
 class RowCoverage {

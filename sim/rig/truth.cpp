@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "common/messages/parsed_json.hpp"
+#include "common/units/angles.hpp"
 #include "sim/rig/tablet.hpp"
 
 namespace strobe::sim {
@@ -13,8 +13,6 @@ namespace {
 
 using nlohmann::json;
 using reduction::Quantity;
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 json instant(MonoTime time) { return known(time) ? json(to_ns(time)) : json(nullptr); }
 
@@ -46,8 +44,8 @@ reduction::Quantities true_readout(const Scene& scene, const BallPath& path) {
   const double e_at_23_degC = e + 0.003 * (23.0 - scene.air.temperature_c);
 
   reduction::Quantities q;
-  q[Quantity::theta_in_deg] = std::atan2(td.vy_mps, td.vx_mps) * kDegrees;
-  q[Quantity::theta_out_deg] = std::atan2(lo.vy_mps, lo.vx_mps) * kDegrees;
+  q[Quantity::theta_in_deg] = degrees(std::atan2(td.vy_mps, td.vx_mps));
+  q[Quantity::theta_out_deg] = degrees(std::atan2(lo.vy_mps, lo.vx_mps));
   q[Quantity::vx_td_mps] = td.vx_mps;
   q[Quantity::vy_td_mps] = td.vy_mps;
   q[Quantity::v_td_mps] = std::hypot(td.vx_mps, td.vy_mps);

@@ -7,7 +7,7 @@
 
 #include "common/messages/channels.hpp"
 #include "common/messages/well_formed.hpp"
-#include "host/loop/take_in.hpp"
+#include "host/loop/resumption.hpp"
 #include "host/messages/command_factory.hpp"
 #include "host/session/shot_table.hpp"
 #include "host/session/session_folder.hpp"
@@ -95,7 +95,7 @@ TEST_GROUP(FormerRuns) {
     settings.assembly.analysis.photograph_timeout_s = 5.0;
     host::HostLoop loop(settings, bus, clock);
     loop.add_listener(results);
-    host::TakeIn take_in(loop, read());
+    host::Resumption resumption(loop, read());
     status_t status{};
     status.schema_version = status_t::SCHEMA_VERSION;
     status.boot_id = running_boot;
@@ -111,7 +111,7 @@ TEST_GROUP(FormerRuns) {
                                   firmware.packet(channel(Channel::status), status));
       }
       loop.run_once();
-      finished = take_in.finished();
+      finished = resumption.finished();
     }
     CHECK_TRUE(finished);
     loop.step();

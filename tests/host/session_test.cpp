@@ -3,7 +3,7 @@
 
 #include "common/messages/json_conversions.hpp"
 #include "common/shot/recent_map.hpp"
-#include "host/loop/take_in.hpp"
+#include "host/loop/resumption.hpp"
 #include "tests/host/session_bench.hpp"
 #include "tests/host/synthetic_shot.hpp"
 #include "tests/support/string_from.hpp"

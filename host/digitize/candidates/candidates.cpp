@@ -254,7 +254,7 @@ constexpr double kCentred = 0.03;
 constexpr double kAtEnd = 0.01;
 // Beyond the tolerance: sizes of circles, and of what is half out of the tolerance, are known to a few
 // percent.
-constexpr double kMargin = 0.05;
+constexpr double kSizeMargin = 0.05;
 // The search nearby: a scale that is wrong by more is rare.
 constexpr double kNear = 1.7;
 // Of the votes for another size: with so many the given one has balls of its own, none of which votes for the
@@ -296,7 +296,7 @@ class Decider {
   SizeDecision without_a_size() const {
     SizeDecision decision;
     const auto size = most_voted_size(find_whole_circles(photograph_), map_);
-    if (size) search(decision, *size, std::max(expected_.tolerance, kSizeSpread) + kMargin);
+    if (size) search(decision, *size, std::max(expected_.tolerance, kSizeSpread) + kSizeMargin);
     return decision;
   }
 
@@ -318,8 +318,8 @@ class Decider {
   /// Among sizes within the tolerance of the typical one, and all that voted for it.
   void search(SizeDecision& decision, const SizeVotes& size, double tolerance) const {
     decision.diameter_px = size.diameter_px;
-    decision.least_px = std::min(size.diameter_px * (1.0 - tolerance), size.least_px * (1.0 - kMargin));
-    decision.most_px = std::max(size.diameter_px * (1.0 + tolerance), size.most_px * (1.0 + kMargin));
+    decision.least_px = std::min(size.diameter_px * (1.0 - tolerance), size.least_px * (1.0 - kSizeMargin));
+    decision.most_px = std::max(size.diameter_px * (1.0 + tolerance), size.most_px * (1.0 + kSizeMargin));
     decision.candidates = find_candidates(
         photograph_, search_range(photograph_, map_, decision.least_px, decision.most_px), effort_);
   }
@@ -328,10 +328,10 @@ class Decider {
   bool settle(SizeDecision& decision, double diameter_px, const std::vector<Candidate>& circles) const {
     const auto size = most_voted_size(circles, map_);
     if (!size) return false;
-    const double least = diameter_px * (1.0 - expected_.tolerance - kMargin),
-                 most = diameter_px * (1.0 + expected_.tolerance + kMargin);
+    const double least = diameter_px * (1.0 - expected_.tolerance - kSizeMargin),
+                 most = diameter_px * (1.0 + expected_.tolerance + kSizeMargin);
     if (size->diameter_px >= least && size->diameter_px <= most) {
-      search(decision, *size, expected_.tolerance + kMargin);
+      search(decision, *size, expected_.tolerance + kSizeMargin);
       return true;
     }
     if (size->circles < kMinContradicting ||

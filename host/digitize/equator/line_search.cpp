@@ -291,13 +291,13 @@ class BestLines {
   /// Best first, apart from each other.
   std::vector<LinePeak> peaks() const {
     constexpr double kMinApart = 8.0 * std::numbers::pi / 180.0;
-    constexpr std::size_t kMaxPeaks = 4;
+    constexpr std::size_t kMaxPlaces = 4;
     std::vector<std::size_t> order(peaks_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return rank_[a] > rank_[b]; });
     std::vector<LinePeak> result;
     for (const std::size_t k : order) {
-      if (rank_[k] <= kNoRank || result.size() >= kMaxPeaks) break;
+      if (rank_[k] <= kNoRank || result.size() >= kMaxPlaces) break;
       const bool near = std::ranges::any_of(result, [&](const LinePeak& peak) {
         return angle_between(peak.line.angle_rad, peaks_[k].line.angle_rad) < kMinApart;
       });

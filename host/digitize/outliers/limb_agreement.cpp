@@ -19,7 +19,7 @@ constexpr std::ptrdiff_t kMinOutlines = 3;
 constexpr float kMinGain = 0.7F;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-struct Place {
+struct OutlinePlace {
   cv::Point2d centre;
   EllipsePx ellipse;
   double reach(double angle_rad) const {
@@ -36,7 +36,7 @@ class Reader {
   }
 
   Limb limb(const Outline& outline) const {
-    const Place place{outline.centre, map_.outline(outline.centre, outline.diameter)};
+    const OutlinePlace place{outline.centre, map_.outline(outline.centre, outline.diameter)};
     // Beyond most of the blur, and near enough that what lies under the ball is the same.
     const double off = 1.5 * std::max(outline.blur_px, 0.7) + 0.5;
     Limb limb{};
@@ -55,7 +55,7 @@ class Reader {
   }
 
  private:
-  float light(const Place& place, double angle_rad, double beyond) const {
+  float light(const OutlinePlace& place, double angle_rad, double beyond) const {
     const double r = place.reach(angle_rad) + beyond;
     const cv::Point2d at = place.ellipse.centre + r * cv::Point2d(std::cos(angle_rad), std::sin(angle_rad));
     if (axes_ && axes_->from_image(to_eigen(at)).y() < 0.0) return kNone;

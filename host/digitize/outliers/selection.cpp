@@ -87,10 +87,10 @@ constexpr double kClearDifference = 0.35;
 // another borrows most of its limb, and its quality.
 constexpr double kMinIntervalOfUnknown = 0.2;
 
-class Leg {
+class PathLeg {
  public:
-  Leg(std::vector<int> members, bool curved, std::span<const PathPoint> points,
-      std::span<const double> quality)
+  PathLeg(std::vector<int> members, bool curved, std::span<const PathPoint> points,
+          std::span<const double> quality)
       : members_(std::move(members)), curved_(curved), points_(points), quality_(quality) {}
 
   /// Shortest interval of two flashes or more over the median one.
@@ -152,10 +152,11 @@ std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint
   assert(points.size() == quality.size());
   // Along a curve the ball may be slow, or seen from above itself.
   const double unknown = path.curved ? 0.0 : kMinIntervalOfUnknown;
-  const double shortest_interval = flash_times_s.size() < 2 ? unknown : Leg::shortest_interval(flash_times_s);
+  const double shortest_interval =
+      flash_times_s.size() < 2 ? unknown : PathLeg::shortest_interval(flash_times_s);
   std::vector<TooClose> too_close;
   for (const auto& members : path.legs) {
-    Leg leg(members, path.curved, points, quality);
+    PathLeg leg(members, path.curved, points, quality);
     while (const auto next = leg.next(shortest_interval)) too_close.push_back(*next);
   }
   return too_close;

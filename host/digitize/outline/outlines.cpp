@@ -94,7 +94,7 @@ constexpr double kMaxSdOfDiameter = 0.03;
 constexpr double kMaxRmsOfBlur = 1.0;
 
 /// A circle in plane px.
-struct Disc {
+struct PlaneDisc {
   cv::Point2d centre;
   double radius = 0.0;
   double oval_cos = 0.0, oval_sin = 0.0;
@@ -105,12 +105,12 @@ struct Work {
   std::optional<LocalFrame> frame;
   std::optional<CoarseCircle> coarse;
   std::optional<FittedOutline> fitted;
-  std::optional<Disc> disc;  ///< the current estimate; absent: no outline
+  std::optional<PlaneDisc> disc;  ///< the current estimate; absent: no outline
   std::optional<Rejection> rejection;
 };
 
 /// The shape of a ball at that place, in a frame.
-OutlineShape shape_of(const PlaneMap& map, const LocalFrame& frame, const Disc& disc) {
+OutlineShape shape_of(const PlaneMap& map, const LocalFrame& frame, const PlaneDisc& disc) {
   const EllipsePx ellipse = map.outline(disc.centre, 2.0 * disc.radius);
   OutlineShape shape;
   shape.centre = frame.from_plane(ellipse.centre);
@@ -125,9 +125,9 @@ OutlineShape shape_of(const PlaneMap& map, const LocalFrame& frame, const Disc& 
 
 /// The ball with that outline: perspective shifts and enlarges it by an amount that hardly depends on the
 /// ball.
-Disc disc_of(const PlaneMap& map, const LocalFrame& frame, const OutlineShape& shape) {
-  Disc disc{frame.to_plane(shape.centre), shape.radius / frame.scale(), shape.oval_cos / frame.scale(),
-            shape.oval_sin / frame.scale()};
+PlaneDisc disc_of(const PlaneMap& map, const LocalFrame& frame, const OutlineShape& shape) {
+  PlaneDisc disc{frame.to_plane(shape.centre), shape.radius / frame.scale(), shape.oval_cos / frame.scale(),
+                 shape.oval_sin / frame.scale()};
   for (int i = 0; i < 3; ++i) {
     const EllipsePx ellipse = map.outline(disc.centre, 2.0 * disc.radius);
     disc.centre += frame.to_plane(shape.centre) - ellipse.centre;
@@ -189,7 +189,8 @@ class OutlineFitter {
       reject(work, Reason::few_edges, "hardly an edge where the outline should be");
       return;
     }
-    work.disc = Disc{work.frame->to_plane(work.coarse->centre), work.coarse->radius / work.frame->scale()};
+    work.disc =
+        PlaneDisc{work.frame->to_plane(work.coarse->centre), work.coarse->radius / work.frame->scale()};
   }
 
   std::vector<OutlineShape> neighbours(std::size_t i, const std::vector<Work>& all) const {

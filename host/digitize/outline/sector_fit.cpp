@@ -31,7 +31,7 @@ constexpr double kNeighbourPrior = 1e-3;
 constexpr double kInterpolation = 1.5;
 
 /// The sector's intensity and the model's terms, a row each, by depth.
-struct Terms {
+struct SectorTerms {
   alignas(16) std::array<std::array<float, kMaxDepths>, kMaxTerms> row;
   int linear = kOwn;
   int depths = 0;
@@ -47,7 +47,7 @@ struct Terms {
   }
 };
 
-struct Normal {
+struct NormalEquations {
   std::array<std::array<double, kMaxTerms>, kMaxTerms> m;
   int linear = kOwn;
 
@@ -57,8 +57,8 @@ struct Normal {
   }  ///< the intensity's row
 };
 
-Normal products(const Terms& terms) {
-  Normal normal;
+NormalEquations products(const SectorTerms& terms) {
+  NormalEquations normal;
   normal.linear = terms.linear;
   for (std::size_t i = 0; i < static_cast<std::size_t>(terms.count()); ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
@@ -94,8 +94,8 @@ int choose_neighbours(std::span<const OutlineShape> neighbours, cv::Point2d midd
   return count;
 }
 
-void add_neighbour(Terms& terms, std::size_t first, const SectorSamples& samples, int index, double shift,
-                   const OutlineShape& other, const ProfileTable& profiles) {
+void add_neighbour(SectorTerms& terms, std::size_t first, const SectorSamples& samples, int index,
+                   double shift, const OutlineShape& other, const ProfileTable& profiles) {
   const SectorSamples::Profile profile = samples.profile(index);
   const cv::Point2d out = samples.direction(index);
   const double slope = std::tan(samples.half_width_rad());
@@ -117,9 +117,10 @@ void add_neighbour(Terms& terms, std::size_t first, const SectorSamples& samples
 constexpr float kRootShare = 0.5F;
 constexpr double kRootShareVariance = 1.0 / 12.0, kSlopeVariance = 0.3 * 0.3;
 
-Terms terms_of(const SectorSamples& samples, int index, const OutlineShape& shape,
-               std::span<const OutlineShape* const> neighbours, const ProfileTable& profiles, double sigma) {
-  Terms terms;
+SectorTerms terms_of(const SectorSamples& samples, int index, const OutlineShape& shape,
+                     std::span<const OutlineShape* const> neighbours, const ProfileTable& profiles,
+                     double sigma) {
+  SectorTerms terms;
   terms.linear = kOwn + 2 * static_cast<int>(neighbours.size());
   const SectorSamples::Profile profile = samples.profile(index);
   const double shift = inward_shift(shape.radius, sigma);
@@ -153,7 +154,7 @@ Terms terms_of(const SectorSamples& samples, int index, const OutlineShape& shap
 }
 
 /// Rise of intensity over the limb, with nothing but an even background fitted beside it.
-double rough_rise(const Normal& normal) {
+double rough_rise(const NormalEquations& normal) {
   const std::size_t limb = normal.first_prior_term() + kLimb;
   const double mean = normal.m[limb][0] / normal.m[0][0];
   const double own = normal.m[limb][limb] - mean * normal.m[limb][0];
@@ -163,7 +164,7 @@ double rough_rise(const Normal& normal) {
 /// The deviation from the limb, like the slopes, is expected to be small against its rise: by as much as
 /// noise, texture among it, hides. Without noise nothing is assumed; in bad light, where the terms are nearly
 /// collinear, the limb is of the common shape.
-void add_limb_prior(Normal& normal, double rise, double noise2) {
+void add_limb_prior(NormalEquations& normal, double rise, double noise2) {
   const double relative = noise2 / (rise * rise + noise2);
   const std::size_t own = normal.first_prior_term();
   normal.m[own + kSlope][own + kSlope] += relative / kSlopeVariance;
@@ -172,7 +173,7 @@ void add_limb_prior(Normal& normal, double rise, double noise2) {
 }
 
 /// Keeps nearly collinear terms apart.
-void add_ridge(Normal& normal) {
+void add_ridge(NormalEquations& normal) {
   for (std::size_t j = 0; j < static_cast<std::size_t>(normal.linear); ++j)
     normal.m[j][j] =
         (1.0 + 1e-6) * normal.m[j][j] + (j > 0 && j < normal.first_prior_term() ? kNeighbourPrior : 0.0);
@@ -181,7 +182,7 @@ void add_ridge(Normal& normal) {
 /// Projects the linear terms from `first` to `last` out of all after them by a Cholesky factorization, row by
 /// row: afterwards m[i][j] of the others holds the products of their residuals, and m[light][j] of such a
 /// term j holds (L⁻¹ b)_j, b being its products with the intensity.
-void project(Normal& normal, std::size_t first, std::size_t last) {
+void project(NormalEquations& normal, std::size_t first, std::size_t last) {
   const std::size_t terms = normal.light() + 1;
   for (std::size_t i = first; i < terms; ++i) {
     for (std::size_t j = first; j <= i; ++j) {
@@ -200,7 +201,7 @@ void project(Normal& normal, std::size_t first, std::size_t last) {
 
 /// Variance of the intensity around the freest of the models, once all terms without a prior are projected
 /// out.
-double noise_of(const Normal& normal, int degrees_of_freedom) {
+double noise_of(const NormalEquations& normal, int degrees_of_freedom) {
   std::array<std::array<double, kPriorTerms>, kPriorTerms + 1> factor;
   const std::size_t own = normal.first_prior_term();
   double left = normal.m[normal.light()][normal.light()];
@@ -217,7 +218,7 @@ double noise_of(const Normal& normal, int degrees_of_freedom) {
 }
 
 /// The amplitudes of the terms that have a prior, by back substitution.
-std::array<double, kPriorTerms> amplitudes(const Normal& normal) {
+std::array<double, kPriorTerms> amplitudes(const NormalEquations& normal) {
   std::array<double, kPriorTerms> x{};
   const std::size_t own = normal.first_prior_term();
   for (std::size_t i = kPriorTerms; i-- > 0;) {
@@ -231,7 +232,7 @@ std::array<double, kPriorTerms> amplitudes(const Normal& normal) {
 /// Products of a sector's residuals after projection, for the fitted amplitudes of step and root.
 class Residuals {
  public:
-  Residuals(const Normal& normal, double noise2)
+  Residuals(const NormalEquations& normal, double noise2)
       : normal_(normal), noise2_(noise2), first_(static_cast<std::size_t>(normal.linear)) {
     const auto x = amplitudes(normal);
     step_ = x[kLimb] * (1.0 - kRootShare) - x[kDeviation];
@@ -302,7 +303,7 @@ class Residuals {
             shared};
   }
 
-  const Normal& normal_;
+  const NormalEquations& normal_;
   double noise2_;
   std::size_t first_;
   double step_ = 0.0, root_ = 0.0, depth_depth_ = 0.0, offset_ = 0.0;
@@ -326,9 +327,9 @@ SectorEdge fit_sector(const SectorSamples& samples, int index, const OutlineShap
   const int degrees_of_freedom =
       static_cast<int>(samples.profile(index).intensity.size()) - kOwn - 2 * others - 2;
   if (degrees_of_freedom < kMinDegreesOfFreedom) return {};
-  const Terms terms = terms_of(samples, index, shape,
-                               std::span(chosen).first(static_cast<std::size_t>(others)), profiles, sigma_px);
-  Normal normal = products(terms);
+  const SectorTerms terms = terms_of(
+      samples, index, shape, std::span(chosen).first(static_cast<std::size_t>(others)), profiles, sigma_px);
+  NormalEquations normal = products(terms);
   const double rise = rough_rise(normal);
   const auto free = normal.first_prior_term(), all = static_cast<std::size_t>(normal.linear);
   add_ridge(normal);

@@ -69,7 +69,7 @@ double LocalFrame::at(const Cubic& cubic, double u, double v) {
 
 namespace {
 
-struct Sample {
+struct ImageSample {
   float intensity = 0.0F;
   bool inside = false;  ///< on the photograph
   bool saturated = false;
@@ -85,7 +85,7 @@ class Sampler {
         bottom_(photograph.height() - 1),
         full_(static_cast<float>(0.985 * photograph.saturation)) {}
 
-  Sample at(cv::Point2d image) const {
+  ImageSample at(cv::Point2d image) const {
     if (!(image.x >= 0.0 && image.y >= 0.0 && image.x < right_ && image.y < bottom_)) return {};
     const int x = static_cast<int>(image.x), y = static_cast<int>(image.y);
     const float* above = first_ + static_cast<std::ptrdiff_t>(y) * row_ + x;
@@ -138,8 +138,9 @@ void SectorSamples::sample(const Photograph& photograph, const LocalFrame& frame
     const cv::Point2d from = frame.to_image(outermost);
     const cv::Point2d along = frame.is_uncalibrated() ? cv::Point2d(-out.x, out.y) * step_ : cv::Point2d();
     for (int k = 0; k < depths_; ++k) {
-      const Sample one = sampler.at(frame.is_uncalibrated() ? from + static_cast<double>(k) * along
-                                                            : frame.to_image(outermost - out * (k * step_)));
+      const ImageSample one =
+          sampler.at(frame.is_uncalibrated() ? from + static_cast<double>(k) * along
+                                             : frame.to_image(outermost - out * (k * step_)));
       intensity[k] += one.intensity;
       inside += one.inside ? 1 : 0;
       if (one.inside && !one.saturated) continue;

@@ -63,7 +63,7 @@ namespace {
 
 constexpr double kContactMargin = 0.2;  ///< in diameters, beyond where the legs meet the surface
 constexpr double kLoneWeight = 0.6;     ///< of an image that is to be a leg by itself
-constexpr std::size_t kMaxLines = 80;
+constexpr std::size_t kMaxLegLines = 80;
 // A path within 6 degrees of the normal whose images all lie in the band in which legs gather their images
 // (leg_line.cpp) is told apart by times only.
 constexpr double kMaxDropSlope = 0.1;
@@ -78,7 +78,7 @@ class Finder {
 
   Path run() {
     sort_by_height();
-    kept_ = choose_legs(points_, airborne_, leg_lines(points_, airborne_, d_, kMaxLines), context_);
+    kept_ = choose_legs(points_, airborne_, leg_lines(points_, airborne_, d_, kMaxLegLines), context_);
     share_images();
     place_contacts();
     if (legs_[1].empty()) lone_leg();

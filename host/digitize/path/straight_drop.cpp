@@ -15,8 +15,8 @@
 namespace strobe::digitize {
 namespace {
 
-constexpr double kTolerance_sd = 4.0;
-constexpr double kToleranceOfDiameter = 0.02;
+constexpr double kDropTolerance_sd = 4.0;
+constexpr double kDropToleranceOfDiameter = 0.02;
 // -ln of 0.3: where flights overlap, that many images hide each other.
 constexpr double kMissedCost = 1.2;
 // -ln of 1 %: how rarely an outline that has passed all other checks is no ball.
@@ -58,7 +58,7 @@ std::uint64_t bit(int image) { return std::uint64_t{1} << static_cast<unsigned>(
 double information(std::span<const DropImage> images, const PathContext& context) {
   double highest_px = 0.0;
   for (const DropImage& image : images) highest_px = std::max(highest_px, image.height_px);
-  return std::log(std::max(2.0, highest_px / (2.0 * kToleranceOfDiameter * context.diameter_px)));
+  return std::log(std::max(2.0, highest_px / (2.0 * kDropToleranceOfDiameter * context.diameter_px)));
 }
 
 class FallSearch {
@@ -97,8 +97,8 @@ class FallSearch {
   double time_s(int flash) const { return times_s_[static_cast<std::size_t>(flash)]; }
 
   double tolerance(int i) const {
-    return std::max(kToleranceOfDiameter * context_.diameter_px,
-                    kTolerance_sd * images_[static_cast<std::size_t>(i)].sd_px);
+    return std::max(kDropToleranceOfDiameter * context_.diameter_px,
+                    kDropTolerance_sd * images_[static_cast<std::size_t>(i)].sd_px);
   }
 
   /// Velocity up at `a`, if the ball flies from `a` to `b`, either of them first.

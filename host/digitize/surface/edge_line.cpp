@@ -160,15 +160,15 @@ constexpr int kBlocks = 12;  // of profiles with correlated errors
 constexpr double kInlier_px = 1.5;
 constexpr double kFloor_px = 0.03;
 
-struct Crossing {
+struct EdgeCrossing {
   cv::Point2d plane;
   double rise = 0.0;
   int profile = 0;
 };
 
 /// The steepest rise, with sub-pixel position by a parabola.
-std::optional<Crossing> steepest(const std::array<double, 2 * kHalfReach + 1>& intensity, int column,
-                                 int top) {
+std::optional<EdgeCrossing> steepest(const std::array<double, 2 * kHalfReach + 1>& intensity, int column,
+                                     int top) {
   const int n = 2 * kHalfReach + 1;
   int best = -1;
   double most = 0.0;
@@ -185,12 +185,12 @@ std::optional<Crossing> steepest(const std::array<double, 2 * kHalfReach + 1>& i
   const double after = at(best + 1 + kHalfStep) - at(best + 1 - kHalfStep);
   const double bend = before - 2.0 * most + after;
   const double part = bend < 0.0 ? std::clamp(0.5 * (before - after) / bend, -1.0, 1.0) : 0.0;
-  return Crossing{{static_cast<double>(column), top + best + part}, most, 0};
+  return EdgeCrossing{{static_cast<double>(column), top + best + part}, most, 0};
 }
 
-std::vector<Crossing> crossings(const Photograph& photograph, const PlaneMap& map,
-                                const OcclusionMask& occluded, const HoughLine& start, int& tried) {
-  std::vector<Crossing> found;
+std::vector<EdgeCrossing> crossings(const Photograph& photograph, const PlaneMap& map,
+                                    const OcclusionMask& occluded, const HoughLine& start, int& tried) {
+  std::vector<EdgeCrossing> found;
   const int count = profile_count(photograph);
   for (int i = 0; i < count; ++i) {
     const int column = profile_column(photograph, i);
@@ -213,7 +213,7 @@ struct Line {
 };
 
 /// The line through two crossings with the most inliers (RANSAC).
-Line ransac_line(const std::vector<Crossing>& found) {
+Line ransac_line(const std::vector<EdgeCrossing>& found) {
   Line best;
   int most = -1;
   std::uint64_t state = 1;
@@ -225,7 +225,7 @@ Line ransac_line(const std::vector<Crossing>& found) {
     const cv::Point2d a = found[draw()].plane, b = found[draw()].plane;
     if (std::abs(a.x - b.x) < 1.0) continue;
     const Line line{a.x, a.y, (b.y - a.y) / (b.x - a.x)};
-    const auto agree = std::count_if(found.begin(), found.end(), [&](const Crossing& c) {
+    const auto agree = std::count_if(found.begin(), found.end(), [&](const EdgeCrossing& c) {
       return std::abs(line.off(c.plane)) < kInlier_px;
     });
     if (agree > most) {
@@ -236,18 +236,18 @@ Line ransac_line(const std::vector<Crossing>& found) {
   return best;
 }
 
-Line least_squares(const std::vector<Crossing>& inliers) {
+Line least_squares(const std::vector<EdgeCrossing>& inliers) {
   geometry::LinearRegression<double> fit;
-  for (const Crossing& c : inliers) fit.add(c.plane.x, c.plane.y, 1.0);
+  for (const EdgeCrossing& c : inliers) fit.add(c.plane.x, c.plane.y, 1.0);
   return {fit.mean_x(), fit.mean(), fit.moment() > 0.0 ? fit.slope() : 0.0};
 }
 
 /// Standard deviations from the means of blocks, as neighbouring profiles' errors are correlated by the
 /// edge's texture.
-void set_sd(const std::vector<Crossing>& inliers, const Line& line, EdgeLine& edge) {
+void set_sd(const std::vector<EdgeCrossing>& inliers, const Line& line, EdgeLine& edge) {
   std::array<double, kBlocks> sum{}, count{};
   double squares = 0.0, sxx = 0.0;
-  for (const Crossing& c : inliers) {
+  for (const EdgeCrossing& c : inliers) {
     const double off = line.off(c.plane);
     squares += off * off;
     sxx += (c.plane.x - line.x0) * (c.plane.x - line.x0);
@@ -273,13 +273,13 @@ void set_sd(const std::vector<Crossing>& inliers, const Line& line, EdgeLine& ed
 std::optional<EdgeLine> fit_edge_line(const Photograph& photograph, const PlaneMap& map,
                                       const OcclusionMask& occluded, const HoughLine& start) {
   int tried = 0;
-  const std::vector<Crossing> found = crossings(photograph, map, occluded, start, tried);
+  const std::vector<EdgeCrossing> found = crossings(photograph, map, occluded, start, tried);
   if (found.size() < 12) return std::nullopt;
   Line line = ransac_line(found);
-  std::vector<Crossing> inliers;
+  std::vector<EdgeCrossing> inliers;
   for (int round = 0; round < 3; ++round) {
     inliers.clear();
-    for (const Crossing& c : found) {
+    for (const EdgeCrossing& c : found) {
       if (std::abs(line.off(c.plane)) < kInlier_px) inliers.push_back(c);
     }
     if (inliers.size() < 12) return std::nullopt;
@@ -290,7 +290,7 @@ std::optional<EdgeLine> fit_edge_line(const Photograph& photograph, const PlaneM
   edge.slope = line.slope;
   double least = inliers.front().plane.x, most = least;
   std::vector<double> rises;
-  for (const Crossing& c : inliers) {
+  for (const EdgeCrossing& c : inliers) {
     least = std::min(least, c.plane.x);
     most = std::max(most, c.plane.x);
     rises.push_back(c.rise);

@@ -16,7 +16,7 @@ namespace strobe::digitize {
 namespace {
 
 constexpr std::size_t kMaxLines = 12;
-constexpr double kMinShare = 0.35;  // of what is not hidden
+constexpr double kMinVisibleShare = 0.35;  // of what is not hidden
 constexpr double kMaxRms_px = 0.8;
 constexpr double kMaxSd_px = 3.0;
 // Nearer than this, two edges are the two sides of a rounded one.
@@ -199,7 +199,7 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
   for (const auto& edge : measured) {
     if (!edge) continue;
     if (possible(*edge, outlines)) longest = std::max(longest, edge->visible_fraction);
-    if (edge->visible_fraction < kMinShare || edge->rms_px > kMaxRms_px) continue;
+    if (edge->visible_fraction < kMinVisibleShare || edge->rms_px > kMaxRms_px) continue;
     edges.push_back(*edge);
   }
   const EdgeLine* best = nullptr;

@@ -12,7 +12,7 @@
 namespace strobe::digitize {
 namespace {
 
-struct Disc {
+struct BallDisc {
   cv::Point2d centre;  ///< image px
   double radius = 0.0;
   double blur = 0.0;
@@ -25,8 +25,8 @@ struct Crossing {
   cv::Point2d at, into_a, into_b;
 };
 
-std::vector<Disc> discs_of(const PlaneMap& map, std::span<const Outline> outlines) {
-  std::vector<Disc> discs;
+std::vector<BallDisc> discs_of(const PlaneMap& map, std::span<const Outline> outlines) {
+  std::vector<BallDisc> discs;
   for (const Outline& o : outlines) {
     const cv::Point2d centre = map.to_image(o.centre);
     discs.push_back({centre, 0.5 * o.diameter * map.image_px_per_plane_px(centre), o.blur_px});
@@ -34,7 +34,7 @@ std::vector<Disc> discs_of(const PlaneMap& map, std::span<const Outline> outline
   return discs;
 }
 
-std::vector<Crossing> crossings_of(const Disc& a, const Disc& b) {
+std::vector<Crossing> crossings_of(const BallDisc& a, const BallDisc& b) {
   const cv::Point2d way = b.centre - a.centre;
   const double apart = cv::norm(way);
   if (!(apart > std::abs(a.radius - b.radius)) || !(apart < a.radius + b.radius)) return {};
@@ -82,8 +82,9 @@ cv::Point2d turned(cv::Point2d p, double angle) {
 }
 
 /// Whether a limb lies between two places, or within `margin` of either.
-bool limb_between(std::span<const Disc> discs, const Disc& own, cv::Point2d p, cv::Point2d q, double margin) {
-  return std::ranges::any_of(discs, [&](const Disc& disc) {
+bool limb_between(std::span<const BallDisc> discs, const BallDisc& own, cv::Point2d p, cv::Point2d q,
+                  double margin) {
+  return std::ranges::any_of(discs, [&](const BallDisc& disc) {
     if (&disc == &own) return false;
     const double at_p = disc.depth(p), at_q = disc.depth(q);
     return at_p * at_q <= 0.0 || std::min(std::abs(at_p), std::abs(at_q)) < margin;
@@ -92,8 +93,8 @@ bool limb_between(std::span<const Disc> discs, const Disc& own, cv::Point2d p, c
 
 /// What a disc shows alone where it lies below the other, from two places outside of that, as deep in it and
 /// in steps of the same angle: light changes along the limb.
-std::optional<double> alone(const Photograph& photograph, std::span<const Disc> discs, const Disc& disc,
-                            cv::Point2d both, cv::Point2d outside, double radius) {
+std::optional<double> alone(const Photograph& photograph, std::span<const BallDisc> discs,
+                            const BallDisc& disc, cv::Point2d both, cv::Point2d outside, double radius) {
   const cv::Point2d from = both - disc.centre, to = outside - disc.centre;
   const double turn = std::atan2(from.cross(to), from.dot(to));
   std::array<double, 2> seen{};
@@ -106,8 +107,8 @@ std::optional<double> alone(const Photograph& photograph, std::span<const Disc> 
   return 2.0 * seen[0] - seen[1];
 }
 
-std::optional<Quad> quad_at(const Photograph& photograph, std::span<const Disc> discs, const Disc& a,
-                            const Disc& b, const Crossing& c, double depth) {
+std::optional<Quad> quad_at(const Photograph& photograph, std::span<const BallDisc> discs, const BallDisc& a,
+                            const BallDisc& b, const Crossing& c, double depth) {
   const double cosine = c.into_a.dot(c.into_b);
   // Outlines that graze each other have no place that is deep in one and outside of the other nearby.
   constexpr double kMaxCosine = 0.8;
@@ -139,7 +140,7 @@ std::optional<double> power_of(const Quad& quad) {
   return std::sqrt(low * high);
 }
 
-bool clear_of_others(std::span<const Disc> discs, std::size_t a, std::size_t b, cv::Point2d at,
+bool clear_of_others(std::span<const BallDisc> discs, std::size_t a, std::size_t b, cv::Point2d at,
                      double margin) {
   for (std::size_t k = 0; k < discs.size(); ++k) {
     if (k != a && k != b && std::abs(discs[k].depth(at)) < margin) return false;
@@ -148,17 +149,17 @@ bool clear_of_others(std::span<const Disc> discs, std::size_t a, std::size_t b, 
 }
 
 /// Clear of the limb's blur, and shallow against how light changes over the ball.
-double depth_in(const Disc& disc) { return 0.03 * disc.radius + 2.0 * disc.blur + 1.0; }
+double depth_in(const BallDisc& disc) { return 0.03 * disc.radius + 2.0 * disc.blur + 1.0; }
 
 /// By how much light that bends along the limb as a cosine does misleads, as a share of the power: two steps
 /// of about twice the depth are bridged straight on, and of light that is halved the power takes 1 / ln 2.
-double by_bend(std::span<const Disc> discs) {
+double by_bend(std::span<const BallDisc> discs) {
   double largest = 0.0;
-  for (const Disc& disc : discs) largest = std::max(largest, 2.0 * depth_in(disc) / disc.radius);
+  for (const BallDisc& disc : discs) largest = std::max(largest, 2.0 * depth_in(disc) / disc.radius);
   return largest * largest / std::numbers::ln2;
 }
 
-std::vector<double> log_powers(const Photograph& photograph, std::span<const Disc> discs) {
+std::vector<double> log_powers(const Photograph& photograph, std::span<const BallDisc> discs) {
   std::vector<double> powers;
   for (std::size_t a = 0; a < discs.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {
@@ -185,10 +186,10 @@ bool TransferCurve::is_proportional() const {
 
 std::optional<TransferCurve> measure_transfer(const Photograph& photograph, const PlaneMap& map,
                                               std::span<const Outline> outlines) {
-  constexpr std::size_t kFewest = 5;
-  const std::vector<Disc> discs = discs_of(map, outlines);
+  constexpr std::size_t kFewestPowers = 5;
+  const std::vector<BallDisc> discs = discs_of(map, outlines);
   const std::vector<double> powers = log_powers(photograph, discs);
-  if (powers.size() < kFewest) return std::nullopt;
+  if (powers.size() < kFewestPowers) return std::nullopt;
   const double middle = upper_median(powers);
   std::vector<double> off;
   for (const double power : powers) off.push_back(std::abs(power - middle));

@@ -1,4 +1,4 @@
-#include "host/loop/take_in.hpp"
+#include "host/loop/resumption.hpp"
 
 #include <algorithm>
 
@@ -11,13 +11,13 @@ using strobe_msgs::shot_t;
 // Heartbeats come twice a second. A firmware that comes later is asked then.
 constexpr Duration kStatusWait = std::chrono::seconds{3};
 // A shot under way and its photograph take less.
-constexpr Duration kLongestTakeIn = std::chrono::minutes{2};
+constexpr Duration kLongestResumption = std::chrono::minutes{2};
 // Of the heartbeats about a shot, as far as its clock is related to the host's by them.
 constexpr Duration kClockWindow = std::chrono::minutes{2};
 
 }  // namespace
 
-TakeIn::TakeIn(HostLoop& loop, FormerRuns former)
+Resumption::Resumption(HostLoop& loop, FormerRuns former)
     : loop_(loop), former_(std::move(former)), entered_(loop.now()) {
   Session& session = loop_.session();
   session.adopt(former_.host_ids);
@@ -39,23 +39,23 @@ TakeIn::TakeIn(HostLoop& loop, FormerRuns former)
 }
 
 /// Not before the loop has its photographs.
-void TakeIn::begin() {
+void Resumption::begin() {
   begun_ = true;
   for (const ShotKey& key : former_.unfinished()) {
-    loop_.take_in(former_.shots.at(key));
+    loop_.process(former_.shots.at(key));
     const auto frame = former_.frames.find(key);
-    if (frame != former_.frames.end()) loop_.take_in(frame->second);
+    if (frame != former_.frames.end()) loop_.process(frame->second);
   }
   enter(Phase::fetching);
   recovery_.emplace(loop_.now());
 }
 
-void TakeIn::enter(Phase phase) {
+void Resumption::enter(Phase phase) {
   phase_ = phase;
   entered_ = loop_.now();
 }
 
-bool TakeIn::fetched() {
+bool Resumption::fetched() {
   if (!loop_.session().status()) {
     recovery_.emplace(loop_.now());
     return loop_.now() - entered_ > kStatusWait;
@@ -63,7 +63,7 @@ bool TakeIn::fetched() {
   return recovery_->finished(loop_.session(), loop_.now());
 }
 
-bool TakeIn::finished() {
+bool Resumption::finished() {
   if (!begun_) begin();
   Session& session = loop_.session();
   if (phase_ == Phase::fetching && fetched()) {
@@ -74,7 +74,7 @@ bool TakeIn::finished() {
     session.hold_photograph_timeouts(false);
     enter(Phase::finishing);
   }
-  const bool over = !session.waits_for_adopted() || loop_.now() - entered_ > kLongestTakeIn;
+  const bool over = !session.waits_for_adopted() || loop_.now() - entered_ > kLongestResumption;
   if (phase_ == Phase::finishing && over) {
     if (loop_.live_status()) session.give_up_adopted();
     enter(Phase::finished);
@@ -82,13 +82,15 @@ bool TakeIn::finished() {
   return phase_ == Phase::finished;
 }
 
-void TakeIn::on_shot(const shot_t& shot) { former_.shots.try_emplace({shot.boot_id, shot.shot_id}, shot); }
+void Resumption::on_shot(const shot_t& shot) {
+  former_.shots.try_emplace({shot.boot_id, shot.shot_id}, shot);
+}
 
-void TakeIn::on_shot_result(const Shot& result) {
+void Resumption::on_shot_result(const Shot& result) {
   former_.results.try_emplace({result.boot_id, result.shot_id}, !result.rejected);
 }
 
-LeftShots TakeIn::left_shots() const {
+LeftShots Resumption::left_shots() const {
   LeftShots left;
   const std::set<ShotKey> unfinished = former_.unfinished();
   for (const auto& [key, shot] : former_.shots) {
@@ -105,7 +107,7 @@ LeftShots TakeIn::left_shots() const {
 }
 
 /// Of the heartbeats about the shots that matter.
-DeviceClock TakeIn::clock_of_logs(const std::set<ShotKey>& wanted) const {
+DeviceClock Resumption::clock_of_logs(const std::set<ShotKey>& wanted) const {
   DeviceClock clock;
   for (const HeardHeartbeat& heartbeat : former_.heartbeats) {
     const bool near = std::ranges::any_of(wanted, [&](const ShotKey& key) {
@@ -118,7 +120,7 @@ DeviceClock TakeIn::clock_of_logs(const std::set<ShotKey>& wanted) const {
   return clock;
 }
 
-void TakeIn::measure_photographs() {
+void Resumption::measure_photographs() {
   const LeftShots left = left_shots();
   if (!loop_.photographs() || left.wanted.empty()) return;
   loop_.photographs()->measure_left(left, clock_of_logs(left.wanted));

@@ -26,10 +26,11 @@ class GapRecovery {
   std::int64_t received_ = 0;
 };
 
-class TakeIn final : public HostListener {
+/// --resume: what former runs left unfinished is measured and read out before the first new shot.
+class Resumption final : public HostListener {
  public:
   /// Enters what the logs tell, and adds itself to the loop's listeners; the loop must be the longer-lived.
-  TakeIn(HostLoop& loop, FormerRuns former);
+  Resumption(HostLoop& loop, FormerRuns former);
 
   const FormerRuns& former() const { return former_; }
   /// To be called after each turn of the loop. Returns true once there is nothing left to wait for.
