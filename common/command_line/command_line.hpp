@@ -4,7 +4,6 @@
 // read. For program start; single-threaded; allocates.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,10 +28,6 @@ void for_experts(CLI::App& command, const std::vector<std::string>& options);
 /// continues a line is indented like it. Lines that show a command to type, "Example: ..." and those indented
 /// below it, stay whole.
 std::string wrapped(std::string_view text, std::size_t width);
-
-/// The name that was probably meant: one that differs by a letter or two left out, added, changed or swapped,
-/// or that begins with what was typed. Letters of either case; leading dashes do not count.
-std::optional<std::string> nearest(const std::string& typed, const std::vector<std::string>& names);
 
 /// "strobe fire: no option --shot; did you mean --shots? (strobe fire --help)". `program` has thrown the
 /// error while it parsed, and is named.

@@ -4,10 +4,13 @@
 #define TOML_ASSERT(expr) static_assert(true)
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
+#include "common/config/nearest.hpp"
 #include "common/config/toml_bounds.hpp"
 
 namespace strobe::config {
@@ -29,6 +32,7 @@ struct TomlReader::State {
   toml::table document;
   std::optional<Error> first_error;
   std::set<const toml::node*> asked;
+  std::map<const toml::table*, std::vector<std::string>> known;  ///< keys that were asked for, there or not
 
   /// What was inherited stands in its own file.
   std::string place(const toml::source_region& source) const {
@@ -53,6 +57,7 @@ struct TomlTable::Node {
   }
   const toml::node* find(std::string_view key) const {
     const toml::node* node = table ? table->get(key) : nullptr;
+    if (table) state->known[table].emplace_back(key);
     if (node) state->asked.insert(node);
     return node;
   }
@@ -82,7 +87,11 @@ std::optional<std::string> outside(double value, Range range) {
 }  // namespace
 
 bool TomlTable::present() const { return node_->table != nullptr; }
-bool TomlTable::has(std::string_view key) const { return node_->table && node_->table->contains(key); }
+bool TomlTable::has(std::string_view key) const {
+  if (!node_->table) return false;
+  node_->state->known[node_->table].emplace_back(key);
+  return node_->table->contains(key);
+}
 
 std::vector<std::string> TomlTable::keys() const {
   std::vector<std::string> names;
@@ -259,6 +268,12 @@ void TomlTable::accept_all() const {
   if (node_->table) mark_all(*node_->table, node_->state->asked);
 }
 
+bool TomlTable::has_unread_keys() const {
+  return node_->table && std::ranges::any_of(*node_->table, [this](const auto& entry) {
+           return !node_->state->asked.contains(&entry.second);
+         });
+}
+
 void TomlTable::error_at(std::string_view key, const std::string& what) {
   node_->report(key, node_->table ? node_->table->get(key) : nullptr, what);
 }
@@ -320,13 +335,15 @@ namespace {
 struct Unasked {
   toml::source_region source;
   std::string path;
+  std::string key;
+  const toml::table* table;
 };
 
 std::optional<Unasked> first_unasked(const toml::table& table, const std::set<const toml::node*>& asked,
                                      const std::string& path) {
   for (const auto& [key, node] : table) {
     const std::string full = path.empty() ? std::string(key.str()) : path + "." + std::string(key.str());
-    if (!asked.contains(&node)) return Unasked{node.source(), full};
+    if (!asked.contains(&node)) return Unasked{node.source(), full, std::string(key.str()), &table};
     if (const toml::table* child = node.as_table()) {
       if (auto found = first_unasked(*child, asked, full)) return found;
     }
@@ -348,7 +365,8 @@ std::optional<Error> TomlReader::error_so_far() const { return state_->first_err
 std::optional<Error> TomlReader::error() const {
   if (state_->first_error) return state_->first_error;
   if (auto found = first_unasked(state_->document, state_->asked, "")) {
-    return Error{on_one_line(state_->place(found->source) + ": " + found->path + ": unknown key")};
+    return Error{on_one_line(state_->place(found->source) + ": " + found->path + ": unknown key" +
+                             did_you_mean(found->key, state_->known[found->table]))};
   }
   return std::nullopt;
 }

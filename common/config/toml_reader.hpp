@@ -60,6 +60,9 @@ class TomlTable {
   /// Accepts everything in this table unread: keys for other programs.
   void accept_all() const;
 
+  /// Whether it has keys that were not read so far.
+  bool has_unread_keys() const;
+
   /// Reports an error of the caller's own at the key's line (or at the table's, if there is no such key).
   void error_at(std::string_view key, const std::string& what);
 

@@ -105,7 +105,7 @@ class Reducer {
 
   int conclude() const {
     if (!json_ && series_.counted() > 1) print(render_series(series_, std::nullopt, kPlainWidth, all_));
-    if (bad_ == 0) return kDone;
+    if (bad_ == 0 && with_numbers_ > 0) return kDone;
     return reduced_ > 0 ? kFailed : kBadInput;
   }
 
@@ -147,6 +147,7 @@ class Reducer {
            const reduction::Frame* frame = nullptr) {
     if (!readout) return bad(place + readout.error().message);
     ++reduced_;
+    if (readout->value != reduction::Quantities{}) ++with_numbers_;
     const reduction::Budget budget = budget_of(frame);
     if (!json_) add_to_series(*readout, budget, frame);
     show_progress();
@@ -227,7 +228,7 @@ class Reducer {
   reduction::Estimator estimator_;
   reduction::ReduceOptions options_;
   Series series_;
-  int reduced_ = 0;
+  int reduced_ = 0, with_numbers_ = 0;
   int bad_ = 0;
   HostTime progress_ = steady_now();
 };
@@ -290,7 +291,7 @@ void add_reduce_command(CLI::App& app, int& exit_status) {
   command->footer(
       "Example: strobe reduce frames.jsonl --estimator best --json\n"
       "Bad lines are named on standard error and make the exit status 1; the others are reduced. Without "
-      "any good line it is 2.");
+      "any good line it is 2, and 1 where none gave a number.");
   command->callback([options, &exit_status] { exit_status = run_reduce(*options); });
 }
 

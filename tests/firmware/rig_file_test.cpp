@@ -250,7 +250,7 @@ TEST(RigFile, NamesFileLineAndKeyOfEveryMistake) {
       {"trigger  = { line = \"TRIGGER\" }", "trigger = { line = -1 }",
        "lines.trigger.line: must be at least 0, is -1"},
       {"active_low = true", "active_low = 1", "lines.estop.active_low: must be true or false"},
-      {"active_low = true", "activelow = true", "lines.estop.activelow: unknown key"},
+      {"active_low = true", "activelow = true", "lines.estop.activelow: unknown key; did you mean active_low?"},
       {"pulse_us = 50", "pulse_us = 0", "lamps.pulse_us: must be at least 1, is 0"},
       {"pulse_us = 50", "pulse_us = \"50\"", "lamps.pulse_us: must be a number"},
       {"pulse_us = 50", "pulse_us = 201", "lamps.pulse_us: must not be longer than lamps.max_on_us"},

@@ -61,7 +61,7 @@ TEST(PlanFile, IsWrittenAsItIsRead) {
 }
 
 TEST(PlanFile, NamesFileLineAndKeyOfWhatIsWrong) {
-  STRCMP_EQUAL("PLAN.toml:2: perid_us: unknown key",
+  STRCMP_EQUAL("PLAN.toml:2: perid_us: unknown key; did you mean period_us?",
                plan_error("train = \"free\"\nperid_us = 3000\n").c_str());
   STRCMP_CONTAINS("PLAN.toml:1: period_us: must be at least 100", plan_error("period_us = 0\n").c_str());
   STRCMP_CONTAINS("PLAN.toml:1: train: must be one of free, gated", plan_error("train = \"fast\"\n").c_str());
@@ -116,7 +116,7 @@ TEST(RigFileOfTheHost, KnowsTheBallsMassAndInertiaOnlyWhereTheFileSaysThem) {
 }
 
 TEST(RigFileOfTheHost, NamesWhatIsWrongInItsOwnTables) {
-  STRCMP_EQUAL("rig.toml:2: ball.diametr_m: unknown key",
+  STRCMP_EQUAL("rig.toml:2: ball.diametr_m: unknown key; did you mean diameter_m?",
                rig_error("rig = \"b\"\nball = { diametr_m = 1 }\n").c_str());
   STRCMP_CONTAINS("rig.toml:3: ball.diameter_m: must be at most 1",
                   rig_error("rig = \"b\"\n[ball]\ndiameter_m = 65.1\n").c_str());

@@ -83,13 +83,8 @@ TEST(Help, RefusesToHideAnOptionThatIsNotThere) {
 }
 
 using strobe::command_line::complaint;
-using strobe::command_line::nearest;
 
 namespace {
-
-const std::vector<std::string> kNames{"--shots", "--session", "--spin", "--photographs", "--px-per-m"};
-
-std::string nearest_of(const std::string& typed) { return nearest(typed, kNames).value_or("nothing"); }
 
 /// What a program with two commands says of a command line; empty if it takes it.
 std::string said_of(std::vector<std::string> words) {
@@ -112,29 +107,6 @@ std::string said_of(std::vector<std::string> words) {
 }
 
 }  // namespace
-
-TEST_GROUP(Nearest){};
-
-TEST(Nearest, FindsALetterLeftOutAddedChangedOrSwapped) {
-  CHECK_EQUAL("--shots", nearest_of("--shot"));
-  CHECK_EQUAL("--shots", nearest_of("--shotss"));
-  CHECK_EQUAL("--shots", nearest_of("--shits"));
-  CHECK_EQUAL("--spin", nearest_of("--sipn"));
-}
-
-TEST(Nearest, FindsWhatWasBegun) { CHECK_EQUAL("--photographs", nearest_of("--photo")); }
-
-TEST(Nearest, ForgivesCapitalsAndDashes) {
-  CHECK_EQUAL("--shots", nearest_of("-SHOTS"));
-  CHECK_EQUAL("--px-per-m", nearest_of("--px-per-m=4000"));
-}
-
-TEST(Nearest, DoesNotGuessWhereNothingIsNear) {
-  CHECK_EQUAL("nothing", nearest_of("--colour"));
-  CHECK_EQUAL("nothing", nearest_of("--"));
-  CHECK_EQUAL("nothing", nearest_of(""));
-  CHECK_FALSE(nearest("a", {"b"}).has_value());
-}
 
 TEST_GROUP(Complaint){};
 

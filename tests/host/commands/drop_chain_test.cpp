@@ -35,7 +35,7 @@ Case dropped(const testing::TemporaryFolder& folder, int period_ms) {
   CHECK_TEXT(found.code == 0, found.err.c_str());
   write_text(folder / "frame.jsonl", found.out);
   const Run reduced = run_program("strobe", {"reduce", folder / "frame.jsonl", "--json"});
-  CHECK_TEXT(reduced.code == 0, reduced.err.c_str());
+  CHECK_TEXT(reduced.code <= 1, reduced.err.c_str());  // 1: no number
   const json frame = parse_json_lines(found.out).at(0);
   return {parse_json_lines(reduced.out).at(0), parse_json_lines(made.out).at(0).at("readout"),
           frame.value("remarks", json::array()).dump()};

@@ -121,6 +121,10 @@ TEST(CorrectionsFile, NamesTheLineAndKeyThatIsWrong) {
   STRCMP_CONTAINS("at_px (or at_image_px) is missing", complaint("[[remove]]\n").c_str());
   STRCMP_CONTAINS("centre_px (or centre_image_px) is missing", complaint("[[add]]\n").c_str());
   STRCMP_CONTAINS("says nothing to change", complaint("[[move]]\nat_px = [1, 2]\n").c_str());
+  STRCMP_CONTAINS("move[1].center_image_px: unknown key; did you mean centre_image_px?",
+                  complaint("[[move]]\nat_px = [1, 2]\ncenter_image_px = [3, 4]\n").c_str());
+  STRCMP_CONTAINS("add[1].center_px: unknown key; did you mean centre_px?",
+                  complaint("[[add]]\ncenter_px = [3, 4]\n").c_str());
   STRCMP_CONTAINS("at_px: must be two numbers", complaint("[[remove]]\nat_px = [1, 2, 3]\n").c_str());
   STRCMP_CONTAINS("fix.toml:3: move",
                   complaint("[[move]]\nat_px = [1, 2]\ncenter_px = [1, 2]\nequator_deg = 1\n").c_str());

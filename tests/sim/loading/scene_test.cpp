@@ -46,7 +46,7 @@ TEST(SceneFile, NeedsOnlyMachineAndBounce) {
 }
 
 TEST(SceneFile, RefusesAnUnknownKeyWithItsLine) {
-  CHECK_EQUAL("scenes/some.toml:13: lamps.dealy_us: unknown key", error_of(kMin + "[lamps]\ndealy_us = 3\n"));
+  CHECK_EQUAL("scenes/some.toml:13: lamps.dealy_us: unknown key; did you mean delay_us?", error_of(kMin + "[lamps]\ndealy_us = 3\n"));
 }
 
 TEST(SceneFile, NamesWhatIsMissing) {
@@ -203,7 +203,7 @@ TEST(SceneInheritance, KeepsAKeyOfTheWrongLawAnErrorWhereItIsWritten) {
 
 TEST(SceneInheritance, NamesTheFileAndLineInWhichTheKeyStands) {
   files["wrong"] = kOde + "[lamps]\ndealy_us = 3\n";
-  CHECK_EQUAL("wrong.toml:13: lamps.dealy_us: unknown key", error_of("inherits = \"wrong\"\n"));
+  CHECK_EQUAL("wrong.toml:13: lamps.dealy_us: unknown key; did you mean delay_us?", error_of("inherits = \"wrong\"\n"));
   files["wide"] = kOde + "[lamps]\ndelay_us = -3\n";
   refuses("wide.toml:13: lamps.delay_us: must be at least 0",
           "inherits = \"wide\"\n[lamps]\njitter_us = 1\n");
