@@ -1,6 +1,5 @@
-// A tennis ball as the models see it: size, mass, moment of inertia, and how its restitution changes with
-// temperature. Units: m, kg, kg·m², degrees Fahrenheit where named. Plain values and pure functions:
-// thread-safe, real-time safe. Inputs of the free functions are preconditions unless a Result is returned.
+// A tennis ball as the models see it: size, mass, moment of inertia. Units: m, kg, kg·m². Plain values and
+// pure functions: thread-safe, real-time safe. Inputs are preconditions unless a Result is returned.
 #pragma once
 
 #include "common/result.hpp"
@@ -52,10 +51,5 @@ constexpr double thin_shell_inertia_kgm2(double mass_kg, double shell_radius_m) 
 /// out so that thin shells lose no digits. Valid: outer > 0, 0 <= inner <= outer, mass > 0; otherwise a
 /// message.
 Result<double> thick_shell_inertia_kgm2(double mass_kg, double outer_radius_m, double inner_radius_m);
-
-/// Coefficient of restitution of still balls against temperature, e = 0.717 + 0.00055·T (LaMarche, R² 0.988).
-constexpr double restitution_at(double temperature_degF) { return 0.717 + 0.00055 * temperature_degF; }
-
-constexpr double fahrenheit_from_celsius(double temperature_degC) { return temperature_degC * 1.8 + 32.0; }
 
 }  // namespace strobe::ball

@@ -26,8 +26,6 @@ class RunningStatistics {
     const auto n = static_cast<double>(count_);
     return n > 1.0 ? population_sd() * std::sqrt(n / (n - 1.0)) : 0.0;
   }
-  /// Population sd over |mean|; infinite or NaN at mean 0.
-  double coefficient_of_variation() const { return population_sd() / std::abs(mean_); }
 
  private:
   std::size_t count_ = 0;

@@ -84,7 +84,7 @@ class RowCoverage {
 //   The angle. The bar's moment Suv is off by at most 1/320 of a pixel (rounding) at each of 3.5·r pixels of
 // its outline, .3·r along on average and .06·r across: over Suu - Svv = .0171·r^4 that is .011/r rad. A long
 // side that rises by one line (1/8 px) over the bar's length is drawn as one step, whose slope is 1.5 times
-// as large: .05/r rad. Together at most error_rad(r) = .1/r.
+// as large: .05/r rad. Together at most .1/r.
 
 /// How the ball moves on the photograph while it is lit, in all.
 struct MotionBlur {
@@ -111,8 +111,6 @@ class PixelGrid {
 
   /// Bound of the error of centre and diameter, see above. [px]
   static double error_px(double half_diameter_px);
-  /// And of the angle.
-  static double error_rad(double half_diameter_px) { return 0.1 / half_diameter_px; }
 
   /// `view` is the ball in the middle of the flash.
   PixelMeasurement measure(const BallView& view, const MotionBlur& smear);

@@ -21,7 +21,6 @@ enum class InputError {
   ball_out_of_range,       ///< diameter, mass or alpha outside ball::check
   dwell_not_positive,      ///< dwell time of 0 or less
   damping_undefined,       ///< e = 0 in the simplified pulse, whose damping would be infinite
-  phase_out_of_range,      ///< damping outside 0…10 or an angle of the pulse outside 0…pi
   magnitude_out_of_range,  ///< a finite number, but too large or too small for the model's arithmetic
   spring_out_of_range,     ///< a contact spring's or dashpot's ratio outside the range its model states
   tolerance_out_of_range,  ///< a tolerance outside 1e-12…1e-3
@@ -40,7 +39,7 @@ constexpr bool too_large(double value) { return !(value <= kMaxMagnitude && valu
 constexpr bool too_small(double value) { return !(value >= kMinMagnitude); }
 
 constexpr std::string_view message(InputError error) {
-  constexpr std::array<std::string_view, 15> words{
+  constexpr std::array<std::string_view, 14> words{
       "inputs must be finite numbers",
       "vy must be negative: the ball must move towards the surface",
       "e must be from 0 to 1",
@@ -50,13 +49,13 @@ constexpr std::string_view message(InputError error) {
       "diameter and mass must be positive, alpha in (0, 2/3]",
       "dwell time must be positive",
       "the simplified pulse needs e above 0",
-      "damping must be from 0 to 10, the pulse's angle from 0 to pi",
       "a speed, a length, a mass or a time is too large or too small to compute with",
       "e is below 0.001, or a spring or damping ratio is out of its range",
       "tolerance is out of its range",
       "the ball does not leave the surface: its weight holds it there",
       "the contact takes more steps or events than the integration allows",
   };
+  static_assert(words.size() == static_cast<std::size_t>(InputError::too_many_steps) + 1);
   return words[static_cast<std::size_t>(error)];
 }
 

@@ -124,15 +124,6 @@ double simplified_displacement(double f, const PulsePhase& p) {
   return theta_minus_sine(p) - std::expm1(-f * p.theta_rad) * p.sine;
 }
 
-tl::expected<PulseIntegrals, InputError> pulse_integrals(double damping_f, double theta_rad) {
-  if (!std::isfinite(damping_f) || !std::isfinite(theta_rad)) return tl::unexpected(InputError::not_finite);
-  if (damping_f < 0.0 || damping_f > kLargestDamping || theta_rad < 0.0 || theta_rad > pi)
-    return tl::unexpected(InputError::phase_out_of_range);
-  const PulsePhase phase = PulsePhase::at_angle(damping_f, theta_rad);
-  return PulseIntegrals{impulse_integral(damping_f, phase), displacement_integral(damping_f, phase),
-                        depth_integral(damping_f, phase)};
-}
-
 namespace {
 
 using std::numbers::pi;

@@ -39,17 +39,6 @@ double depth_integral(double damping_f, const PulsePhase& phase);
 double simplified_impulse(double damping_f, const PulsePhase& phase);
 double simplified_displacement(double damping_f, const PulsePhase& phase);
 
-inline constexpr double kLargestDamping = 10.0;
-
-struct PulseIntegrals {
-  double impulse = 0.0;       ///< I1
-  double displacement = 0.0;  ///< I2
-  double depth = 0.0;         ///< theta - I2
-};
-
-/// All three. Valid: 0 <= f <= 10, 0 <= theta <= pi; otherwise not_finite or phase_out_of_range.
-tl::expected<PulseIntegrals, InputError> pulse_integrals(double damping_f, double theta_rad);
-
 // The damped sine pulse: the ball's motion in contact under a normal force
 //   F_y = F_max·exp(-f·theta)·sin(theta),  F_x = -ratio·F_y,
 //   theta = pi·t/dwell,  F_max = m·|vy_TD|·pi/dwell.

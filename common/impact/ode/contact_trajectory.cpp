@@ -82,20 +82,6 @@ ContactState ContactTrajectory::at(double time_s) const {
   return state_of(z, tau, step.mode);
 }
 
-std::vector<double> ContactTrajectory::step_times_s() const {
-  std::vector<double> times;
-  if (constants_) {
-    for (const detail::Segment& segment : segments_)
-      times.push_back(segment.from.tau / system_.frequency_radps);
-    times.push_back(constants_->normal.release_tau() / system_.frequency_radps);
-    return times;
-  }
-  times.reserve(steps_.size() + 1);
-  for (const detail::ContactStep& step : steps_) times.push_back(step.tau / system_.frequency_radps);
-  times.push_back((steps_.back().tau + steps_.back().size) / system_.frequency_radps);
-  return times;
-}
-
 ContactState ContactTrajectory::state_of(const detail::State& z, double tau, ContactMode mode) const {
   const detail::System& s = system_;
   const double second = 1.0 / s.frequency_radps;

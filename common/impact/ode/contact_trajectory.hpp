@@ -44,9 +44,6 @@ class ContactTrajectory {
   /// release the last in contact.
   ContactState at(double time_s) const;
 
-  /// Ends of the steps or segments, touchdown and release included; every mode change is one of them.
-  std::vector<double> step_times_s() const;
-
  private:
   ContactTrajectory() = default;
   static std::optional<ContactTrajectory> by_collocation(const detail::System& system, double tolerance);

@@ -29,11 +29,6 @@ TEST(BallModel, AThickShellWithoutAHoleIsASolidSphere) {
   DOUBLES_EQUAL(0.4 * 0.057 * 0.03 * 0.03, *thick_shell_inertia_kgm2(0.057, 0.03, 0.0), 1e-20);
 }
 
-TEST(BallModel, FourDegreesFahrenheitChangeRestitutionBy00022) {
-  DOUBLES_EQUAL(0.0022, restitution_at(72.0) - restitution_at(68.0), 1e-15);
-  DOUBLES_EQUAL(68.0, fahrenheit_from_celsius(20.0), 1e-13);
-}
-
 TEST(BallModel, RefusesSizesMassesAndInertiasThatNoBallHas) {
   CHECK(check(Ball{}).has_value());
   CHECK_FALSE(check(Ball{.diameter_m = 0.0}).has_value());

@@ -74,8 +74,9 @@ void pulses(Grid& grid) {
   }
   for (const double f : {0.0, 0.046, 0.47, 1.0, 10.0}) {
     for (const double fraction : kFractions) {
-      const auto i = *impact::pulse_integrals(f, fraction * kPi);
-      grid.add("pulse integrals", i.impulse, i.displacement, i.depth);
+      const auto p = impact::PulsePhase::at_angle(f, fraction * kPi);
+      grid.add("pulse integrals", impact::impulse_integral(f, p), impact::displacement_integral(f, p),
+               impact::depth_integral(f, p));
     }
   }
 }
@@ -90,7 +91,7 @@ void flights(Grid& grid) {
                f.jerk_mps3.y());
       const flight::Parabola path{{0.0, 0.1}, v, flight::gravity_mps2(0.1)};
       grid.add("time at a height", path.time_falling_through_s(0.03).value_or(-1.0));
-      grid.add("angles", wrap_half_turn(speed * spin), wrap_turn(speed * spin));
+      grid.add("angles", wrap_half_turn(speed * spin));
     }
   }
 }
