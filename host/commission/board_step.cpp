@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "host/camera/calibration.hpp"
+#include "host/commission/scale_check.hpp"
 #include "host/commission/statistics.hpp"
 #include "host/commission/steps.hpp"
 #include "host/photographs/measure_photograph.hpp"
@@ -24,18 +24,14 @@ namespace {
 
 using camera::BoardView;
 
-/// A pair of neighbours on the board.
-struct Spacing {
-  double across, upwards;  ///< from the photograph's middle, over its width and height
-  double log_ratio;        ///< of the length by the rig file's map over that on the board
-};
-
-std::vector<Spacing> spacings_of(const BoardView& view, int width_px, int height_px,
-                                 const digitize::PlaneMap& map, double px_per_m) {
+/// Of the board's neighbours: the length on it over that by the rig file's map, since a map of too many px a
+/// metre makes lengths too short.
+std::vector<Size> spacings_of(const BoardView& view, int width_px, int height_px,
+                              const digitize::PlaneMap& map, double px_per_m) {
   double spacing_m = 1e9;
   for (std::size_t i = 1; i < view.board_m.size(); ++i)
     spacing_m = std::min(spacing_m, cv::norm(view.board_m[i] - view.board_m[0]));
-  std::vector<Spacing> spacings;
+  std::vector<Size> spacings;
   for (std::size_t i = 0; i < view.board_m.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       const double on_board_m = cv::norm(view.board_m[i] - view.board_m[k]);
@@ -44,31 +40,10 @@ std::vector<Spacing> spacings_of(const BoardView& view, int width_px, int height
           cv::norm(map.to_plane(view.image_px[i]) - map.to_plane(view.image_px[k])) / px_per_m;
       const cv::Point2d middle = 0.5 * (view.image_px[i] + view.image_px[k]);
       spacings.push_back(
-          {middle.x / width_px - 0.5, 0.5 - middle.y / height_px, std::log(by_map_m / on_board_m)});
+          {middle.x / width_px - 0.5, 0.5 - middle.y / height_px, -std::log(by_map_m / on_board_m)});
     }
   }
   return spacings;
-}
-
-/// A map of too many px a metre makes lengths too short.
-void fit_scale(std::span<const Spacing> spacings, BoardCheck& check) {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Spacing& s : spacings) {
-    const Eigen::Vector3d row(1.0, s.across, s.upwards);
-    information += row * row.transpose();
-    sum -= s.log_ratio * row;
-  }
-  const Eigen::Vector3d terms = solve_normal(information, sum);
-  double squares = 0.0;
-  for (const Spacing& s : spacings)
-    squares += std::pow(s.log_ratio + terms.dot(Eigen::Vector3d(1.0, s.across, s.upwards)), 2.0);
-  const Eigen::Matrix3d covariance =
-      squares / std::max(1.0, static_cast<double>(spacings.size()) - 3.0) * information.inverse();
-  check.scale_off = std::expm1(terms[0]);
-  check.across = terms[1], check.upwards = terms[2];
-  check.scale_sd = std::sqrt(covariance(0, 0));
-  check.across_sd = std::sqrt(covariance(1, 1)), check.upwards_sd = std::sqrt(covariance(2, 2));
 }
 
 namespace fs = std::filesystem;
@@ -137,7 +112,12 @@ Result<BoardCheck> check_board(std::span<const BoardView> views, int width_px, i
   check.views = static_cast<int>(views.size());
   check.covered = covered_share(views, width_px, height_px);
   check.residual_px = found->fit.sigma_px;
-  fit_scale(spacings_of(views.front(), width_px, height_px, map, px_per_m), check);
+  const auto [terms, covariance] =
+      fit_plane(spacings_of(views.front(), width_px, height_px, map, px_per_m), 0.0);
+  check.scale_off = std::expm1(terms[0]);
+  check.across = terms[1], check.upwards = terms[2];
+  check.scale_sd = std::sqrt(covariance(0, 0));
+  check.across_sd = std::sqrt(covariance(1, 1)), check.upwards_sd = std::sqrt(covariance(2, 2));
   return check;
 }
 

@@ -16,12 +16,6 @@ constexpr int kMinSizes = 8;
 /// Of a diameter, as a share: what texture and light leave of images that state less.
 constexpr double kMinShareSd = 2e-4;
 
-struct Size {
-  double across, upwards;  ///< from the photograph's middle, over its width and height
-  double log_ratio;
-  double weight;
-};
-
 std::vector<Size> sizes_of(const reduction::Frame& frame, double diameter_px, double width_px,
                            double height_px) {
   std::vector<Size> sizes;
@@ -37,33 +31,7 @@ std::vector<Size> sizes_of(const reduction::Frame& frame, double diameter_px, do
   return sizes;
 }
 
-struct Plane {
-  Eigen::Vector3d terms = Eigen::Vector3d::Zero();  ///< middle, across, upwards
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-};
-
-/// Weighted least squares; residuals that are larger than stated make the sds larger.
-Plane fit_plane(std::span<const Size> sizes) {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Size& s : sizes) {
-    const Eigen::Vector3d row(1.0, s.across, s.upwards);
-    information += s.weight * row * row.transpose();
-    sum += s.weight * s.log_ratio * row;
-  }
-  Plane plane;
-  plane.terms = solve_normal(information, sum);
-  double chi_squared = 0.0;
-  for (const Size& s : sizes) {
-    const double off = s.log_ratio - plane.terms.dot(Eigen::Vector3d(1.0, s.across, s.upwards));
-    chi_squared += s.weight * off * off;
-  }
-  const double freedom = static_cast<double>(sizes.size()) - 3.0;
-  plane.covariance = std::max(1.0, chi_squared / freedom) * information.inverse();
-  return plane;
-}
-
-double mean_of(std::span<const Size> sizes, const Plane& plane) {
+double mean_of(std::span<const Size> sizes, const SizePlane& plane) {
   double sum = 0.0, weights = 0.0;
   for (const Size& s : sizes) {
     sum += s.weight * (s.log_ratio - plane.terms[1] * s.across - plane.terms[2] * s.upwards);
@@ -73,6 +41,21 @@ double mean_of(std::span<const Size> sizes, const Plane& plane) {
 }
 
 }  // namespace
+
+SizePlane fit_plane(std::span<const Size> sizes, double least_square) {
+  const auto row = [](const Size& s) { return Eigen::Vector3d(1.0, s.across, s.upwards); };
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Size& s : sizes) {
+    information += s.weight * row(s) * row(s).transpose();
+    sum += s.weight * s.log_ratio * row(s);
+  }
+  const Eigen::Vector3d terms = solve_normal(information, sum);
+  double chi_squared = 0.0;
+  for (const Size& s : sizes) chi_squared += s.weight * std::pow(s.log_ratio - terms.dot(row(s)), 2);
+  const double freedom = std::max(1.0, static_cast<double>(sizes.size()) - 3.0);
+  return {terms, std::max(least_square, chi_squared / freedom) * information.inverse()};
+}
 
 Result<ScaleCheck> check_scale(std::span<const reduction::Frame> frames, double px_per_m,
                                double ball_diameter_m, double width_px, double height_px) {
@@ -85,7 +68,7 @@ Result<ScaleCheck> check_scale(std::span<const reduction::Frame> frames, double 
     by_shot.push_back(std::move(sizes));
   }
   if (static_cast<int>(all.size()) < kMinSizes) return fail("fewer than 8 images of balls in the air");
-  const Plane plane = fit_plane(all);
+  const SizePlane plane = fit_plane(all, 1.0);
   ScaleCheck check;
   check.images = static_cast<int>(all.size());
   check.shots = static_cast<int>(by_shot.size());

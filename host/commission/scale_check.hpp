@@ -3,6 +3,7 @@
 // plane as a slope. Deterministic; no I/O; thread-safe; allocates.
 #pragma once
 
+#include <Eigen/Core>
 #include <span>
 
 #include "common/reduction/frame.hpp"
@@ -10,6 +11,22 @@
 #include "host/commission/record/step_result.hpp"
 
 namespace strobe::commission {
+
+/// The logarithm of a length seen over the true one, at a place of the photograph.
+struct Size {
+  double across, upwards;  ///< from the photograph's middle, over its width and height
+  double log_ratio;
+  double weight = 1.0;  ///< inverse variance, or 1
+};
+
+struct SizePlane {
+  Eigen::Vector3d terms;  ///< middle, across, upwards
+  Eigen::Matrix3d covariance;
+};
+
+/// Weighted least squares. Residuals make the covariance larger than that of unit variance by their mean
+/// square, but not by less than least_square.
+SizePlane fit_plane(std::span<const Size> sizes, double least_square);
 
 struct ScaleCheck {
   double ratio = 1.0;     ///< diameter seen over scale times diameter stated
