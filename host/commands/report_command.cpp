@@ -16,6 +16,7 @@
 #include "host/commands/terminal.hpp"
 #include "host/report/pdf.hpp"
 #include "host/report/report.hpp"
+#include "host/series/select.hpp"
 
 namespace strobe::host {
 
@@ -28,7 +29,7 @@ struct ReportOptions {
   std::vector<std::string> folders;
   std::string out;
   SessionOptions session;
-  std::vector<std::string> limits;
+  std::vector<std::string> limits, over;
   std::string rule = "guarded";
   Statements statements;
   bool pdf = false;
@@ -84,6 +85,7 @@ Result<ReportInput> stated_input(const ReportOptions& options) {
     if (!limit) return fail("report: " + limit.error().message);
     input.limits.push_back(*limit);
   }
+  input.over = options.over;
   if (options.rule == "simple") input.rule = report::DecisionRule::simple;
   return input;
 }
@@ -178,6 +180,18 @@ void add_report_command(CLI::App& app, int& exit_status) {
                    "guarded: guard bands as wide as the expanded uncertainty; simple: simple acceptance")
       ->check(CLI::IsMember({"guarded", "simple"}))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--over", options->over,
+          "What shots of one condition may differ in, as operator,temperature_c (default: nothing of "
+          "spin, angle, surface, ball, operator, temperature, rig, calibration and plan)")
+      ->delimiter(',')
+      ->type_name("NOTES")
+      ->check([](const std::string& key) {
+        const bool known = std::ranges::find(kConditionKeys, key) != kConditionKeys.end();
+        return known ? std::string() : fmt::format("no \"{}\" among {}", key, fmt::join(kConditionKeys, " "));
+      })
+      ->allow_extra_args(false);
   command->add_flag("--all", options->all, "All quantities, and every condition's full budgets and figures");
   command->add_flag("--json", options->json,
                     "The whole report as one JSON object on standard output; a file only with --out");

@@ -33,7 +33,7 @@ using reduction::kQuantityCount;
 using reduction::Quantity;
 
 struct SeriesOptions {
-  std::vector<std::string> sessions, by, where, without, compare;
+  std::vector<std::string> sessions, by, over, where, without, compare;
   SessionOptions session;
   std::string budget;
   std::optional<double> difference;
@@ -247,6 +247,7 @@ Result<Selection> selection_of(const SeriesOptions& options) {
   Selection selection;
   selection.without = options.without;
   selection.by = options.by;
+  selection.over = options.over;
   if (selection.by.empty() && !options.compare.empty()) selection.by = {"session"};
   for (const std::string& text : options.where) {
     auto condition = parse_where(text);
@@ -276,6 +277,12 @@ int run_series(const SeriesOptions& options) {
   }
   const auto selected = select_shots(std::move(shots), *selection);
   if (!selected) return bad_input("series: " + selected.error().message);
+  for (const ShotGroup& group : selected->groups) {
+    if (!group.mixed.empty())
+      std::fprintf(stderr, "strobe: %s: a mean over %s, in which its shots differ\n",
+                   group.name.empty() ? "all shots" : group.name.c_str(),
+                   fmt::format("{}", fmt::join(group.mixed, ", ")).c_str());
+  }
   SeriesOptions settings = options;
   for (std::string& name : settings.compare) name = group_name(name, options);
   const auto reported = SeriesPrinter(*sessions, *selected, settings).run();
@@ -299,10 +306,18 @@ void add_series_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<SeriesOptions>();
   CLI::App* command =
       app.add_subcommand("series", "List, pool and compare the shots of stored sessions, with uncertainties");
-  command->add_option("SESSION", options->sessions, "session folders; several are pooled")->required();
+  command->add_option("SESSION", options->sessions, "session folders; shots of one condition are pooled")
+      ->required();
   command
       ->add_option("--by", options->by,
-                   "a series for each value of these notes, as spin,angle; session: each folder")
+                   "a series for each value of these notes, as spin,angle; session: each folder (default: of "
+                   "what the shots differ in: spin, angle, surface, ball, operator, temperature, rig, "
+                   "calibration, plan)")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command
+      ->add_option("--over", options->over,
+                   "what shots may differ in within one series, as temperature_c,operator")
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_option("--where", options->where, "only shots with this note, as spin=zero; may be repeated")

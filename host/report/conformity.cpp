@@ -48,8 +48,9 @@ std::string range_of(const Limit& limit) {
 
 Row limit_row(const ConditionGroup& group, const Limit& limit, DecisionRule rule) {
   const host::QuantitySummary& s = group.of(limit.quantity);
-  const auto verdict = s.n == 0 ? std::string_view("not decided: no result")
-                                : name(judge(s.mean, s.expanded_uncertainty, limit, rule));
+  const auto verdict = s.n == 0               ? std::string_view("not decided: no result")
+                       : !group.mixed.empty() ? std::string_view("not decided: a mean over what differs")
+                                              : name(judge(s.mean, s.expanded_uncertainty, limit, rule));
   const host::QuantityLabel& label = label_of(limit.quantity);
   return {
       {group.label, label.words, range_of(limit), label.unit, expanded_cell(s), count_cell(s.n), verdict}};

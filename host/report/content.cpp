@@ -80,17 +80,45 @@ void finish(ConditionGroup& group, const ReportInput& input) {
   if (input.thesis) group.thesis = input.thesis->used.condition(group.key);
 }
 
+std::vector<const Shot*> series_shots_of(const std::vector<ReportShot>& shots) {
+  std::vector<const Shot*> out;
+  for (const ReportShot& each : shots) out.push_back(each.in_series.get());
+  return out;
+}
+
+/// "acrylic", "operator ann", "no operator".
+std::string words_of(const std::string& key, const std::string& value) {
+  const std::string what = key.substr(0, key.find("_name"));
+  if (value.empty()) return "no " + what;
+  if (what != key) return value;
+  return what + " " + (key == "calibration" ? value.substr(0, 6) : value);
+}
+
+/// What the shots differ in besides spin and angle, which always divide.
+std::vector<std::string> dividing_keys(const std::vector<ReportShot>& shots, std::vector<std::string> over) {
+  over.insert(over.end(), {"spin", "angle_deg"});
+  return host::differing_keys(series_shots_of(shots), over);
+}
+
 std::vector<ConditionGroup> conditions_of(const std::vector<ReportShot>& shots, const ReportInput& input) {
-  using Order = std::tuple<int, std::string, double, std::string>;
+  using Order = std::tuple<int, std::string, double, std::string, std::vector<std::string>>;
   std::map<Order, ConditionGroup> groups;
+  const std::vector<std::string> keys = dividing_keys(shots, input.over);
   for (const ReportShot& each : shots) {
     const Record& record = each.shot->readout.record;
     const std::string spin = note(record, "spin"), angle = note(record, "angle_deg");
     const double number =
         host::note_number(record, "angle_deg").value_or(std::numeric_limits<double>::infinity());
-    ConditionGroup& group = groups[{rank_of(spin), spin, number, angle}];
+    std::vector<std::string> values;
+    for (const std::string& key : keys) values.push_back(host::value_of(*each.in_series, key));
+    ConditionGroup& group = groups[{rank_of(spin), spin, number, angle, values}];
     set_names(group, spin, angle);
+    for (std::size_t i = 0; i < keys.size(); ++i) group.label += ", " + words_of(keys[i], values[i]);
     group.shots.push_back(each);
+  }
+  for (auto& [order, group] : groups) {
+    group.mixed = dividing_keys(group.shots, {});
+    for (const std::string& key : group.mixed) group.label += ", over " + key;
   }
   std::vector<ConditionGroup> out;
   std::map<std::string, int> used;  // names that a person gives may come to the same key

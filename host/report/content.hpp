@@ -22,8 +22,9 @@ struct ReportInput {
   host::Statements statements{};                ///< in force before those of the rig files
   std::vector<Limit> limits{};
   DecisionRule rule = DecisionRule::guarded;
-  bool all = false;       ///< all quantities, budgets and figures of every condition
-  std::string version{};  ///< of strobe
+  std::vector<std::string> over{};  ///< what shots of one condition may differ in: host::kConditionKeys
+  bool all = false;                 ///< all quantities, budgets and figures of every condition
+  std::string version{};            ///< of strobe
   /// The thesis's conditions and fitted contact mechanics; nullptr: nothing is set beside.
   const thesis::ThesisInputs* thesis = nullptr;
   /// Told of the work: done, of, and at what. Empty: nobody.
@@ -38,12 +39,13 @@ struct ReportShot {
   std::shared_ptr<const host::Shot> in_series{};  ///< with its budget; never null
 };
 
-/// Shots of the same spin and angle, as their records say.
+/// Shots of the same spin and angle, and of all else that conditions differ in (host::kConditionKeys).
 struct ConditionGroup {
-  std::string key{};          ///< "zero_23"; "unnamed" without either
-  std::string label{};        ///< "no spin, 23°"
-  std::string spin, angle;    ///< may be empty
-  std::string spin_phrase{};  ///< "no spin"; of a spin that the thesis has not: its name
+  std::string key{};    ///< "zero_23"; "unnamed" without either
+  std::string label{};  ///< "no spin, 23°, acrylic": of what is not spin and angle, where shots differ
+  std::vector<std::string> mixed{};  ///< what its shots differ in all the same, as ReportInput::over allows
+  std::string spin, angle;           ///< may be empty
+  std::string spin_phrase{};         ///< "no spin"; of a spin that the thesis has not: its name
   std::vector<ReportShot> shots{};
   std::vector<ReportShot> counted{};
   host::SeriesSummary summary{};  ///< of those

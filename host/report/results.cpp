@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "host/report/sections.hpp"
+#include "host/series/compare.hpp"
 #include "host/view/series_view.hpp"
 
 namespace strobe::report {
@@ -136,6 +137,39 @@ Table outlier_table(const Content& content) {
   return table;
 }
 
+host::Series series_of(const ConditionGroup& group) {
+  host::Series series;
+  for (const ReportShot& each : group.counted) series.add(*each.in_series);
+  return series;
+}
+
+/// Conditions of one spin and angle, each less the one before it.
+Table differences_table(const Content& content, const std::vector<Quantity>& quantities) {
+  Table table{.key = "differences",
+              .title = "Differences of conditions with the same spin and angle",
+              .columns = {text_column("less", "condition less the other"), text_column("quantity"),
+                          text_column("unit"), number_column("difference", "difference ± U"),
+                          text_column("decided", "told apart")},
+              .notes = {"What both share, as a calibration, cancels as far as it does (B. L. Welch, 1947)."}};
+  for (std::size_t i = 1; i < content.conditions.size(); ++i) {
+    const ConditionGroup &other = content.conditions[i - 1], &group = content.conditions[i];
+    if (group.spin != other.spin || group.angle != other.angle) continue;
+    const host::Comparison found = host::compare(series_of(group), series_of(other));
+    bool begins = true;
+    for (const Quantity q : quantities) {
+      const auto& d = found.of(q);
+      if (!d) continue;
+      table.rows.push_back(
+          {{begins ? group.label + " less " + other.label : "", label_of(q).words, label_of(q).unit,
+            expanded_cell(d->difference, d->expanded_uncertainty), d->decided ? "yes" : "no"},
+           begins,
+           false});
+      begins = false;
+    }
+  }
+  return table;
+}
+
 /// By spin, in the order of the conditions.
 void add_tables(Section& section, const Content& content) {
   std::vector<std::vector<const ConditionGroup*>> spins;
@@ -229,6 +263,8 @@ Section results(const Content& content) {
   const auto quantities = quantities_of(content.input);
   for (const ConditionGroup& group : content.conditions)
     if (!group.counted.empty()) section.blocks.emplace_back(uncertainty_table(group, quantities));
+  Table differences = differences_table(content, quantities);
+  if (!differences.rows.empty()) section.blocks.emplace_back(std::move(differences));
   Table outliers = outlier_table(content);
   if (!outliers.rows.empty()) section.blocks.emplace_back(std::move(outliers));
   return section;

@@ -70,8 +70,11 @@ Cell count_cell(long count) { return {fmt::format("{}", count), static_cast<doub
 
 Cell expanded_cell(const host::QuantitySummary& summary) {
   if (summary.n == 0) return "-";
-  const auto& u = summary.expanded_uncertainty;
-  Cell cell = number_cell(summary.mean, u);
+  return expanded_cell(summary.mean, summary.expanded_uncertainty);
+}
+
+Cell expanded_cell(double value, const std::optional<double>& u) {
+  Cell cell = number_cell(value, u);
   if (u && *u > 0.0 && std::isfinite(*u)) cell.text += " ± " + host::rounded(*u, *u);
   return cell;
 }

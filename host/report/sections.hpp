@@ -84,6 +84,7 @@ Cell sd_cell(std::optional<double> sd);
 Cell count_cell(long count);
 /// "15.62 ± 0.03"; the number is the value.
 Cell expanded_cell(const host::QuantitySummary& summary);
+Cell expanded_cell(double value, const std::optional<double>& u);
 /// "12.3"; "∞" of more than 10,000 or infinitely many.
 Cell freedom_cell(const std::optional<double>& degrees_of_freedom);
 

@@ -36,14 +36,14 @@ bool same_value(const std::string& a, const std::string& b) {
   return !before(a, b) && !before(b, a);
 }
 
-std::string value_of(const Shot& shot, const std::string& key) {
-  if (key == "session") return shot.session;
-  const auto note = shot.readout.record.find(key);
-  return note == shot.readout.record.end() ? "" : note->second;
-}
-
 bool named(const Shot& shot, const std::string& name) {
   return shot.full_name() == name || shot.name == name;
+}
+
+std::vector<const Shot*> pointers_to(const std::vector<Shot>& shots) {
+  std::vector<const Shot*> out;
+  for (const Shot& shot : shots) out.push_back(&shot);
+  return out;
 }
 
 /// The one shot of that name.
@@ -76,6 +76,28 @@ std::string group_title(const std::vector<std::string>& keys, const std::vector<
 
 }  // namespace
 
+std::string value_of(const Shot& shot, const std::string& key) {
+  if (key == "session") return shot.session;
+  if (key == "rig") return shot.rig ? shot.rig->rig : "";
+  if (key == "calibration") return shot.calibration;
+  if (key == "plan") return shot.plan;
+  const auto note = shot.readout.record.find(key);
+  return note == shot.readout.record.end() ? "" : note->second;
+}
+
+std::vector<std::string> differing_keys(const std::vector<const Shot*>& shots,
+                                        const std::vector<std::string>& over) {
+  std::vector<std::string> keys;
+  for (const std::string_view key : kConditionKeys) {
+    const std::string name(key);
+    if (shots.empty() || std::ranges::find(over, name) != over.end()) continue;
+    const std::string first = value_of(*shots.front(), name);
+    if (!std::ranges::all_of(shots, [&](const Shot* s) { return same_value(value_of(*s, name), first); }))
+      keys.push_back(name);
+  }
+  return keys;
+}
+
 std::string note_key(const std::string& word) { return word == "angle" ? "angle_deg" : word; }
 
 Result<std::pair<std::string, std::string>> parse_where(const std::string& text) {
@@ -95,24 +117,31 @@ Result<SelectedShots> select_shots(std::vector<Shot> shots, const Selection& sel
     left_out[*found] = true;
     selected.left_out.push_back(shots[*found].full_name());
   }
-  std::vector<std::string> keys;
-  for (const std::string& word : selection.by) keys.push_back(note_key(word));
-  std::map<std::vector<std::string>, std::vector<Shot>, ByValues> groups;
+  std::vector<Shot> asked;
   for (std::size_t i = 0; i < shots.size(); ++i) {
     if (left_out[i]) continue;
-    const bool asked = std::ranges::all_of(selection.where, [&](const auto& condition) {
+    const bool named = std::ranges::all_of(selection.where, [&](const auto& condition) {
       return same_value(value_of(shots[i], condition.first), condition.second);
     });
-    if (!asked) {
+    if (named)
+      asked.push_back(std::move(shots[i]));
+    else
       ++selected.other;
-      continue;
-    }
-    std::vector<std::string> values;
-    for (const std::string& key : keys) values.push_back(value_of(shots[i], key));
-    groups[std::move(values)].push_back(std::move(shots[i]));
   }
-  for (auto& [values, members] : groups)
-    selected.groups.push_back({group_title(keys, values), std::move(members)});
+  std::vector<std::string> keys, over;
+  for (const std::string& word : selection.by) keys.push_back(note_key(word));
+  for (const std::string& word : selection.over) over.push_back(note_key(word));
+  if (keys.empty()) keys = differing_keys(pointers_to(asked), over);
+  std::map<std::vector<std::string>, std::vector<Shot>, ByValues> groups;
+  for (Shot& shot : asked) {
+    std::vector<std::string> values;
+    for (const std::string& key : keys) values.push_back(value_of(shot, key));
+    groups[std::move(values)].push_back(std::move(shot));
+  }
+  for (auto& [values, members] : groups) {
+    std::vector<std::string> mixed = differing_keys(pointers_to(members));
+    selected.groups.push_back({group_title(keys, values), std::move(members), std::move(mixed)});
+  }
   return selected;
 }
 
@@ -125,6 +154,16 @@ std::string calibration_of(const RigFile& rig) {
   const std::string text = fmt::format("{}\n{} {}", calibration_text(rig.camera),
                                        text_of(rig.analysis.px_per_m), text_of(rig.analysis.px_per_m_sd));
   return fmt::format("{:016x}", std::hash<std::string>{}(text));
+}
+
+/// Of a shot's plan what two plans of a person differ in.
+std::string plan_of(const strobe_msgs::plan_t& plan) {
+  return fmt::format("{:g} ms, open {:g} ms", 1e-6 * static_cast<double>(plan.period_ns),
+                     1e-6 * static_cast<double>(plan.shutter_open_ns)) +
+         (plan.train == plan.TRAIN_GATED
+              ? fmt::format(", {} flashes {:g} ms after the gate", plan.flash_count,
+                            1e-6 * static_cast<double>(plan.gate_delay_ns))
+              : "");
 }
 
 std::string ball_of(const RigFile& rig, const reduction::Record& record) {
@@ -153,6 +192,7 @@ Shot series_shot(const Shot& stored) {
   if (!shot.rejected) shot.budget = budget_of(stored);
   shot.calibration = calibration_of(*stored.rig);
   shot.ball = ball_of(*stored.rig, stored.readout.record);
+  if (stored.summary) shot.plan = plan_of(stored.summary->plan);
   shot.summary.reset();
   shot.digitizations.clear();
   return shot;

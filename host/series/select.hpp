@@ -1,7 +1,9 @@
 // Which shots make a series: filtered and grouped by their notes. Pure; thread-safe; allocates.
 #pragma once
 
+#include <array>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,15 +13,31 @@
 
 namespace strobe::host {
 
+/// What shots may differ in so that they are not of one condition: notes of their record, and by what they
+/// were fired and measured.
+inline constexpr std::array<std::string_view, 12> kConditionKeys{
+    "spin",       "angle_deg", "surface_name",  "surface_grade", "surface_angle_deg", "ball_name",
+    "ball_grade", "operator",  "temperature_c", "rig",           "calibration",       "plan"};
+
+/// Of a note, of "session", or of kConditionKeys; empty: the shot has none.
+std::string value_of(const Shot& shot, const std::string& key);
+
+/// Those of kConditionKeys in which the shots differ, but for `over`; numbers are compared as such.
+std::vector<std::string> differing_keys(const std::vector<const Shot*>& shots,
+                                        const std::vector<std::string>& over = {});
+
 struct Selection {
-  std::vector<std::pair<std::string, std::string>> where;  ///< note and value; numbers are compared as such
-  std::vector<std::string> without;                        ///< names of shots, full or not
-  std::vector<std::string> by;                             ///< notes; "session" is the folder
+  std::vector<std::pair<std::string, std::string>> where{};  ///< note and value; numbers are compared as such
+  std::vector<std::string> without{};                        ///< names of shots, full or not
+  /// Notes; "session" is the folder. Empty: what the shots differ in, so that no mean is over what differs.
+  std::vector<std::string> by{};
+  std::vector<std::string> over{};  ///< notes that do not divide, though shots differ in them
 };
 
 struct ShotGroup {
   std::string name;  ///< "zero 23": the notes' values in the order of Selection::by; empty without any
   std::vector<Shot> shots;
+  std::vector<std::string> mixed{};  ///< differing_keys() of its shots: a mean of them is over these
 };
 
 struct SelectedShots {

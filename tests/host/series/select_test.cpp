@@ -49,14 +49,21 @@ std::string complaint(const Selection& selection) {
 
 TEST_GROUP(Selection){};
 
-TEST(Selection, IsAllShotsInOneGroupUnlessAskedOtherwise) {
+TEST(Selection, IsOneGroupForEachConditionUnlessAskedOtherwise) {
   const SelectedShots all = selected({});
+  CHECK_EQUAL(4U, all.groups.size());
+  for (const ShotGroup& group : all.groups) CHECK(group.mixed.empty());
+}
+
+TEST(Selection, IsOneGroupOverWhatMayDiffer) {
+  const SelectedShots all = selected({.over = {"spin", "angle"}});
   CHECK_EQUAL(1U, all.groups.size());
   CHECK_EQUAL(std::string(": a:1 a:2 b:1 b:3 b:4"), names(all.groups[0]));
+  CHECK(all.groups[0].mixed == (std::vector<std::string>{"spin", "angle_deg"}));
 }
 
 TEST(Selection, GroupsByNotesWithNumbersInTheirOrder) {
-  const SelectedShots all = selected({.where = {}, .without = {}, .by = {"spin", "angle"}});
+  const SelectedShots all = selected({.by = {"spin", "angle"}});
   CHECK_EQUAL(4U, all.groups.size());
   CHECK_EQUAL(std::string("top 18: a:2"), names(all.groups[0]));
   CHECK_EQUAL(std::string("zero 9: b:1"), names(all.groups[1]));
@@ -65,28 +72,27 @@ TEST(Selection, GroupsByNotesWithNumbersInTheirOrder) {
 }
 
 TEST(Selection, GroupsBySessions) {
-  const SelectedShots all = selected({.where = {}, .without = {}, .by = {"session"}});
+  const SelectedShots all = selected({.by = {"session"}});
   CHECK_EQUAL(std::string("b: b:1 b:3 b:4"), names(all.groups[1]));
 }
 
 TEST(Selection, FiltersByNotesAndCountsTheOthers) {
-  const SelectedShots some =
-      selected({.where = {{"spin", "zero"}, {"angle_deg", "23"}}, .without = {}, .by = {}});
+  const SelectedShots some = selected({.where = {{"spin", "zero"}, {"angle_deg", "23"}}});
   CHECK_EQUAL(std::string(": a:1 b:3"), names(some.groups[0]));
   CHECK_EQUAL(3, some.other);
 }
 
 TEST(Selection, LeavesShotsOutByName) {
-  const SelectedShots some = selected({.where = {}, .without = {"3", "a:1", "b:3"}, .by = {}});
+  const SelectedShots some = selected({.without = {"3", "a:1", "b:3"}, .over = {"spin", "angle"}});
   CHECK_EQUAL(std::string(": a:2 b:1 b:4"), names(some.groups[0]));
   CHECK_EQUAL(2U, some.left_out.size());
   CHECK_EQUAL(std::string("b:3"), some.left_out[0]);
 }
 
 TEST(Selection, RefusesNamesThatNoShotOrSeveralHave) {
-  CHECK_EQUAL(std::string("--without: no shot 7"), complaint({.where = {}, .without = {"7"}, .by = {}}));
+  CHECK_EQUAL(std::string("--without: no shot 7"), complaint({.without = {"7"}}));
   CHECK_EQUAL(std::string("--without: shot 1: several sessions have one: a:1, b:1"),
-              complaint({.where = {}, .without = {"1"}, .by = {}}));
+              complaint({.without = {"1"}}));
 }
 
 TEST(Selection, ReadsConditions) {
