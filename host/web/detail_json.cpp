@@ -87,10 +87,6 @@ ordered_json kept_unmeasured_json(const ordered_json& kept, const digitize::Plan
 
 }  // namespace
 
-ShotRow shot_row(const Shot& shot) {
-  return shot_row(shot, shot.name, shot.utc, host::digitization_word(shot));
-}
-
 digitize::PlaneMap photograph_map(const Shot& shot, const std::optional<PhotographPlace>& photograph) {
   int height_px = photograph ? photograph->height_px : shot.rig->camera.height_px.value_or(0);
   if (height_px <= 0 && !shot.digitizations.empty()) {

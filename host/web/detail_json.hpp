@@ -8,12 +8,8 @@
 
 #include "host/archive/read_session.hpp"
 #include "host/digitize/core/plane_map.hpp"
-#include "host/web/shot_json.hpp"
 
 namespace strobe::web {
-
-/// The shot as a row.
-ShotRow shot_row(const host::Shot& shot);
 
 struct PhotographPlace {
   std::string url;

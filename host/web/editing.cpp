@@ -51,7 +51,7 @@ Answered<std::string> corrections_in(const Request& request) {
 }
 
 ordered_json result_values(const host::Shot& result) {
-  const ShotRow row = shot_row(result, "", "", "");
+  const ShotRow row = shot_row(result);
   return values_json(row.value, row.total_sd);
 }
 
@@ -70,7 +70,7 @@ ordered_json preview_json(const Shot& before, const Preview& after) {
   ordered_json json{{"before", result_values(before)},
                     {"after", result_values(result)},
                     {"rejected", {{"before", or_null(before.rejected)}, {"after", or_null(result.rejected)}}},
-                    {"flags", shot_row(result, "", "", "").flags},
+                    {"flags", shot_row(result).flags},
                     {"advice", advice(result)}};
   json.update(photograph_json(after));
   json["surface_by_hand"] = after.found.surface_by_hand;

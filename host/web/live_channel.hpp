@@ -42,16 +42,12 @@ struct LiveStatus {
   bool can_stop = false, can_disarm = false;
 };
 
-struct LiveShot {
-  host::Shot result;
-  std::string utc;  ///< when the result came
-};
-
 struct LiveNotification {
   std::string utc, text;
 };
 
-using LiveMessage = std::variant<LiveStatus, LiveShot, LiveNotification>;
+/// A shot with the time at which its result came.
+using LiveMessage = std::variant<LiveStatus, host::Shot, LiveNotification>;
 
 struct LiveCommand {
   enum class Kind {

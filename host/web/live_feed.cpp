@@ -34,7 +34,9 @@ void LiveFeed::add(LiveMessage message) {
 
 void LiveFeed::on_shot_result(const host::Shot& result) {
   if (shown_ && !shown_(result.host_id)) return;
-  add(LiveShot{result, now_utc()});
+  host::Shot told = result;
+  told.utc = now_utc();
+  add(std::move(told));
   channel_.put(waiting_);
 }
 

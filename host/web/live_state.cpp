@@ -93,7 +93,7 @@ void LiveState::run() {
     auto [messages, ended] = channel_.take();
     bool shots = false;
     for (LiveMessage& message : messages) {
-      shots = shots || std::holds_alternative<LiveShot>(message);
+      shots = shots || std::holds_alternative<host::Shot>(message);
       std::visit([this](auto& told) { take(std::move(told)); }, message);
     }
     if (shots) publish_series();
@@ -110,21 +110,20 @@ void LiveState::take(LiveStatus status) {
   hub_.publish("status", std::move(text));
 }
 
-void LiveState::take(LiveShot shot) {
-  const host::Shot& result = shot.result;
-  shots_.push_back({result.boot_id, result.shot_id});
-  const ShotRow row =
-      shot_row(result, host::shot_names(shots_).back(), shot.utc, host::digitization_word(result));
+void LiveState::take(host::Shot shot) {
+  shots_.push_back(shot.key());
+  shot.name = host::shot_names(shots_).back();
+  const ShotRow row = shot_row(shot);
   std::string text = line_of(shot_json(row, setup_.session));
   {
     const std::lock_guard lock(mutex_);
     last_text_ = text;
-    last_shot_id_ = result.shot_id;
+    last_shot_id_ = shot.shot_id;
   }
   hub_.publish("shot", std::move(text));
-  if (result.dry) return;
+  if (shot.dry) return;
   rows_.push_back(row);
-  series_.add(result);
+  series_.add(shot);
 }
 
 void LiveState::take(LiveNotification notification) {

@@ -55,7 +55,7 @@ class LiveState {
  private:
   void run();
   void take(LiveStatus status);
-  void take(LiveShot shot);
+  void take(host::Shot shot);
   void take(LiveNotification notification);
   void publish_series();
 

@@ -8,7 +8,6 @@
 #include "host/archive/read_session.hpp"
 #include "host/series/select.hpp"
 #include "host/session/session_logs.hpp"
-#include "host/web/detail_json.hpp"
 
 namespace strobe::web {
 namespace {

@@ -111,17 +111,17 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kAdvice{
 
 }  // namespace
 
-ShotRow shot_row(const host::Shot& result, std::string name, std::string utc, std::string_view digitization) {
-  const reduction::Readout& readout = result.readout;
+ShotRow shot_row(const host::Shot& shot) {
+  const reduction::Readout& readout = shot.readout;
   ShotRow row;
-  row.name = std::move(name);
-  row.key = {result.boot_id, result.shot_id};
-  row.utc = std::move(utc);
-  row.dry = result.dry;
-  row.rejected = result.rejected;
+  row.name = shot.name;
+  row.key = shot.key();
+  row.utc = shot.utc;
+  row.dry = shot.dry;
+  row.rejected = shot.rejected;
   row.flags = names_of(readout.flags);
   if (readout.regime) row.regime = strobe::name(*readout.regime);
-  row.digitization = digitization;
+  row.digitization = host::digitization_word(shot);
   row.value = readout.value;
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);

@@ -33,8 +33,7 @@ struct ShotRow {
   std::optional<double> angle_deg;
 };
 
-/// digitization: of host/session/shot_table.hpp or host/archive/shot_outcome.hpp.
-ShotRow shot_row(const host::Shot& result, std::string name, std::string utc, std::string_view digitization);
+ShotRow shot_row(const host::Shot& shot);
 
 /// {"vx_td_mps":{"value":15.4,"sd":0.19},…}: all quantities, the sd the total one; null where it is not
 /// known.

@@ -49,16 +49,16 @@ TEST_GROUP(LiveFeed) {
 TEST(LiveFeed, TellsAShotAtOnce) {
   feed.on_shot_result(shot(3));
   const auto messages = told();
-  LONGS_EQUAL(1, count<LiveShot>(messages));
-  LONGS_EQUAL(3, std::get<LiveShot>(messages[0]).result.shot_id);
-  CHECK_EQUAL("1970-01-01T00:01:40.000Z", std::get<LiveShot>(messages[0]).utc);
+  LONGS_EQUAL(1, count<host::Shot>(messages));
+  LONGS_EQUAL(3, std::get<host::Shot>(messages[0]).shot_id);
+  CHECK_EQUAL("1970-01-01T00:01:40.000Z", std::get<host::Shot>(messages[0]).utc);
 }
 
 TEST(LiveFeed, TellsOnlyShotsThatAreShown) {
   feed.show_only([](std::int64_t host) { return host == 7; });
   feed.on_shot_result(shot(3, 8));
   feed.on_shot_result(shot(4, 7));
-  LONGS_EQUAL(1, count<LiveShot>(told()));
+  LONGS_EQUAL(1, count<host::Shot>(told()));
 }
 
 TEST(LiveFeed, TellsHowThingsAreTwiceASecondWhereNothingChanges) {

@@ -13,10 +13,11 @@ using strobe_msgs::status_t;
 
 namespace {
 
-host::Shot shot(int id, double vx_mps) {
+host::Shot shot(int id, double vx_mps, const std::string& utc) {
   host::Shot result;
   result.shot_id = id;
   result.boot_id = 0x2a;
+  result.utc = utc;
   result.readout.value[reduction::Quantity::vx_td_mps] = vx_mps;
   result.readout.sd[reduction::Quantity::vx_td_mps] = 0.3;
   result.readout.sd_systematic[reduction::Quantity::vx_td_mps] = 0.4;
@@ -75,9 +76,9 @@ TEST(LiveState, BeforeAnythingWasHeardSaysSo) {
 }
 
 TEST(LiveState, TellsAShotThenTheSeries) {
-  tell(LiveShot{shot(3, 15.0), "2026-01-31T09:30:00.000Z"});
+  tell(shot(3, 15.0, "2026-01-31T09:30:00.000Z"));
   await("series", "{}");
-  tell(LiveShot{shot(4, 16.0), "2026-01-31T09:30:09.000Z"});
+  tell(shot(4, 16.0, "2026-01-31T09:30:09.000Z"));
   await("shot", "\"name\":\"4\"");
   await("series", "{}");
   while (live()["series"]["points"].size() < 2) std::this_thread::yield();

@@ -3,7 +3,7 @@
 
 #include "host/assembly/assemble.hpp"
 #include "host/session/shot_table.hpp"
-#include "host/web/shot_json.hpp"
+#include "host/web/session_table.hpp"
 #include "tests/host/synthetic_shot.hpp"
 #include "tests/support/string_from.hpp"
 
@@ -49,13 +49,16 @@ TEST(ShotJson, OfAResultIsThatOfItsRow) {
   result.readout.flags.set(reduction::Flag::sensor_missing);
   const auto rows = web::shot_rows(host::parse_results(table({result})));
   LONGS_EQUAL(1, rows.size());
-  const auto row = web::shot_row(result, "3", "2026-01-31T09:30:00.000Z", "auto");
+  result.name = "3";
+  result.utc = "2026-01-31T09:30:00.000Z";
+  const auto row = web::shot_row(result);
   CHECK_EQUAL(web::shot_json(row, "today").dump(), web::shot_json(rows[0], "today").dump());
 }
 
 TEST(ShotJson, HasWhatAPersonAsksFirst) {
-  const Shot result = measured();
-  const ordered_json shot = web::shot_json(web::shot_row(result, "3", "2026", "auto"), std::nullopt);
+  Shot result = measured();
+  result.name = "3";
+  const ordered_json shot = web::shot_json(web::shot_row(result), std::nullopt);
   CHECK_TRUE(shot["session"].is_null());
   CHECK_EQUAL("3", shot["name"].get<std::string>());
   CHECK_EQUAL("2a", shot["boot_id"].get<std::string>());
@@ -72,7 +75,7 @@ TEST(ShotJson, HasWhatAPersonAsksFirst) {
 TEST(ShotJson, OfADryShotCountsForNothing) {
   Shot result;
   result.dry = true;
-  const ordered_json shot = web::shot_json(web::shot_row(result, "1", "", ""), "s");
+  const ordered_json shot = web::shot_json(web::shot_row(result), "s");
   CHECK_FALSE(shot["counted"].get<bool>());
   CHECK_TRUE(shot["digitization"].is_null());
   CHECK_TRUE(shot["values"]["e"]["sd"].is_null());
