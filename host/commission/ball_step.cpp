@@ -75,11 +75,11 @@ std::optional<Touchdown> touchdown_of(const Frame& frame, double px_per_m) {
 }
 
 /// The instant of the first image, after the machine's trigger.
-std::optional<double> first_image_s(const FiredShot& shot) {
-  const auto& imaged = shot.result.readout.flashes;
-  const MonoTime trigger = from_ns(shot.shot.trigger_ns);
+std::optional<double> first_image_s(const host::Shot& shot) {
+  const auto& imaged = shot.readout.flashes;
+  const MonoTime trigger = from_ns(shot.summary->trigger_ns);
   if (!imaged || !known(trigger)) return std::nullopt;
-  for (const strobe_msgs::flash_t& flash : shot.shot.flashes)
+  for (const strobe_msgs::flash_t& flash : shot.summary->flashes)
     if (flash.flash_index == imaged->first && known(from_ns(flash.issue_end_ns)))
       return to_seconds(from_ns(flash.issue_end_ns) - trigger);
   return std::nullopt;
@@ -128,7 +128,7 @@ class BallStep final : public ShotStep {
   StepResult left_out(const std::string&) const override {
     return skipped("no balls were measured", "let step throws pass first");
   }
-  void on_sound_shot(const FiredShot&) override { gate_edges_.push_back(std::exchange(edges_, 0)); }
+  void on_sound_shot() override { gate_edges_.push_back(std::exchange(edges_, 0)); }
   std::vector<StepResult> judge(const std::vector<SoundShot>& sound, const host::RigFile& rig) override;
 
   std::vector<int> gate_edges_;  ///< of each sound shot
@@ -141,10 +141,10 @@ std::vector<StepResult> BallStep::judge(const std::vector<SoundShot>& sound, con
   std::vector<Frame> frames;
   double width_px = 1.0, height_px = 1.0, px_per_m = rig.camera.px_per_m.value_or(0.0);
   for (std::size_t k = 0; k < sound.size(); ++k) {
-    const FiredShot& fired = sound[k].fired;
+    const host::Shot& fired = sound[k].fired;
     BallShot& shot = shots[k];
-    shot.rejected = fired.result.rejected;
-    shot.readout = fired.result.readout;
+    shot.rejected = fired.rejected;
+    shot.readout = fired.readout;
     shot.gate_edges = gate_edges_[k];
     if (!sound[k].measured) continue;
     const host::MeasuredPhotograph& m = *sound[k].measured;

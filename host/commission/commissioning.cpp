@@ -225,7 +225,7 @@ bool Commissioning::rig_stopped() const {
 }
 
 void Commissioning::deliver() {
-  const ShotKey key{result_->boot_id, result_->shot_id};
+  const ShotKey key = result_->key();
   const auto* const photograph = photographs_.find(key);
   const Duration longest = from_seconds(settings_.rig.analysis.photograph_timeout_s) + kReading;
   if (wanted_.photograph && photograph == nullptr && loop_.now() - result_at_ < longest) return;
@@ -233,9 +233,9 @@ void Commissioning::deliver() {
   delivered_.put(key, true);
   const auto* const shot = shots_.find(key);
   if (shot == nullptr) return work_[current_].step->on_no_shot(result_->problem);
-  FiredShot fired{*shot, std::move(*result_), std::nullopt};
-  if (photograph != nullptr) fired.photograph = *photograph;
-  work_[current_].step->on_shot(std::move(fired));
+  result_->summary = *shot;
+  if (photograph != nullptr) result_->photograph = *photograph;
+  work_[current_].step->on_shot(std::move(*result_));
 }
 
 void Commissioning::finish_step(std::vector<StepResult> results) {

@@ -115,12 +115,12 @@ class LightStep final : public ShotStep {
   std::vector<StepResult> judge(const std::vector<SoundShot>& shots, const host::RigFile& rig) override {
     std::array<LitPhotograph, 5> photographs;
     for (std::size_t k = 0; k < photographs.size(); ++k) {
-      const FiredShot& shot = shots[k].fired;
+      const host::Shot& shot = shots[k].fired;
       auto read = digitize::load_photograph(*shot.photograph);
       if (!read)
         return {failed("unreadable", read.error().message, "let the camera write TIFF, PNG or JPEG, whole"),
                 skipped("a photograph could not be read")};
-      photographs[k] = {std::move(*read), static_cast<int>(shot.shot.flashes.size())};
+      photographs[k] = {std::move(*read), static_cast<int>(shot.summary->flashes.size())};
     }
     const auto light =
         measure_lamp_light({photographs[0], photographs[1], photographs[2], photographs[3], photographs[4]});

@@ -43,12 +43,11 @@ StepResult no_photograph(const host::RigFile& rig) {
 
 }  // namespace
 
-std::string why_unsound(const FiredShot& fired) {
-  const strobe_msgs::shot_t& shot = fired.shot;
+std::string why_unsound(const host::Shot& fired) {
+  const strobe_msgs::shot_t& shot = *fired.summary;
   if (shot.aborted) return "the shot was aborted: " + shot.abort_reason;
   if (shot.queue_overflows > 0 || shot.kernel_overflows > 0) return "edges were lost in the shot";
-  if (fired.result.readout.flags.has(reduction::Flag::events_missing))
-    return "events of the shot did not come";
+  if (fired.readout.flags.has(reduction::Flag::events_missing)) return "events of the shot did not come";
   if (issued_late(shot)) return "the rig's machine issued a flash late";
   return "";
 }
@@ -79,19 +78,19 @@ void ShotStep::begin(const Situation& situation) {
   problem_.clear();
 }
 
-void ShotStep::on_shot(FiredShot shot) {
+void ShotStep::on_shot(host::Shot shot) {
   assert(rig_ != nullptr);
   if (const std::string why = why_unsound(shot); !why.empty()) {
     if (++repeated_ > kRetries)
       problem_ = fmt::format("{} shots in this step were of no use; of the last one {}", repeated_, why);
     return;
   }
-  on_sound_shot(shot);
+  on_sound_shot();
   if (!shot.photograph) ++missing_;
   if (shot.photograph && photographs_.measure) {
     std::shared_future<Measured> before;
     if (!measuring_.empty()) before = measuring_.back().second;
-    auto task = [before, file = *shot.photograph, rig = *rig_, times = host::flash_times_s(shot.shot)] {
+    auto task = [before, file = *shot.photograph, rig = *rig_, times = host::flash_times_s(*shot.summary)] {
       if (before.valid()) before.wait();
       return measured(file, rig, times);
     };

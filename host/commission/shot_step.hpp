@@ -16,7 +16,7 @@ namespace strobe::commission {
 
 /// Why nothing can be said of the rig by this shot, of a machine that was too late or that lost edges; empty:
 /// it is sound.
-std::string why_unsound(const FiredShot& shot);
+std::string why_unsound(const host::Shot& shot);
 
 /// Flashes of these lamps at the rig's own pace; fewer where the rig's limits allow no more. The machine
 /// stays still.
@@ -38,13 +38,13 @@ class ShotStep : public Step {
 
   void begin(const Situation& situation) override;
   Request step(const Situation& situation) override;
-  void on_shot(FiredShot shot) override;
+  void on_shot(host::Shot shot) override;
   void on_no_shot(const std::string& why) override { problem_ = why; }
 
  protected:
   /// Sound, in the order in which they were asked for.
   struct SoundShot {
-    FiredShot fired;
+    host::Shot fired;
     std::optional<host::MeasuredPhotograph> measured;  ///< absent: not wanted, or of no use
   };
 
@@ -54,7 +54,7 @@ class ShotStep : public Step {
   /// Of all but the first of infos() where nothing can be judged.
   virtual StepResult left_out(const std::string& why) const { return skipped(why); }
   /// Before a sound shot is collected.
-  virtual void on_sound_shot(const FiredShot& /*shot*/) {}
+  virtual void on_sound_shot() {}
   /// The first of infos() has this result, the others are left out.
   std::vector<StepResult> nothing_judged(StepResult first, const std::string& why) const;
 

@@ -3,11 +3,9 @@
 // clock, link or console of its own, so that it runs on virtual time as well. Single-threaded; never waits.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <strobe_msgs/event_t.hpp>
-#include <strobe_msgs/shot_t.hpp>
 #include <strobe_msgs/status_t.hpp>
 #include <variant>
 #include <vector>
@@ -26,13 +24,6 @@ struct Needs {
   bool outputs = false;        ///< lamps and shutter move
   bool machine = false;        ///< the machine's trigger is pulsed: key and e-stop must have passed
   bool photographs = false;    ///< the camera's folder must be known
-};
-
-/// A shot that the step asked for, with all its events here.
-struct FiredShot {
-  strobe_msgs::shot_t shot;
-  host::Shot result;
-  std::optional<std::filesystem::path> photograph;  ///< the session's copy; absent: none came
 };
 
 /// What there is to judge by.
@@ -101,7 +92,8 @@ class Step {
   virtual Request step(const Situation& situation) = 0;
 
   virtual void on_event(const strobe_msgs::event_t& /*event*/, HostTime /*now*/) {}
-  virtual void on_shot(FiredShot /*shot*/) {}
+  /// A shot that the step asked for, with its summary and all its events, and its photograph if one came.
+  virtual void on_shot(host::Shot /*shot*/) {}
   /// The shot could not be fired, or not to its end; why, for a person.
   virtual void on_no_shot(const std::string& /*why*/) {}
   virtual void on_answer(bool /*yes*/) {}

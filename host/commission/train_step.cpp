@@ -278,7 +278,7 @@ class TrainStep final : public ShotStep {
   }
   std::vector<StepResult> judge(const std::vector<SoundShot>& sound, const host::RigFile& rig) override {
     std::vector<shot_t> shots;
-    for (const SoundShot& shot : sound) shots.push_back(shot.fired.shot);
+    for (const SoundShot& shot : sound) shots.push_back(*shot.fired.summary);
     return {judge_(shots, rig)};
   }
 

@@ -24,7 +24,7 @@ class TriggerStep final : public Step {
   void begin(const Situation& situation) override;
   Request step(const Situation& situation) override;
   void on_event(const strobe_msgs::event_t& event, HostTime now) override;
-  void on_shot(FiredShot shot) override;
+  void on_shot(host::Shot shot) override;
   void on_no_shot(const std::string& why) override { problem_ = why; }
   void on_answer(bool yes) override { heard_ = yes; }
 
@@ -71,11 +71,11 @@ int TriggerStep::rises(const strobe_msgs::shot_t& shot) const {
 }
 
 /// A shot that was aborted before the trigger's pulse is fired again; no other is: it clicks once.
-void TriggerStep::on_shot(FiredShot fired) {
-  if (!fired.shot.aborted || rises(fired.shot) > 0) {
-    shot_ = std::move(fired.shot);
+void TriggerStep::on_shot(host::Shot fired) {
+  if (!fired.summary->aborted || rises(*fired.summary) > 0) {
+    shot_ = std::move(fired.summary);
   } else if (++repeated_ > ShotStep::kRetries) {
-    problem_ = "the shot was aborted: " + fired.shot.abort_reason;
+    problem_ = "the shot was aborted: " + fired.summary->abort_reason;
   }
 }
 

@@ -49,7 +49,7 @@ class ScriptedStep final : public Step {
     result.state = good_ ? StepState::passed : StepState::failed;
     return Done{{result}};
   }
-  void on_shot(FiredShot shot) override {
+  void on_shot(host::Shot shot) override {
     fired_ = true;
     shots.push_back(std::move(shot));
   }
@@ -59,7 +59,7 @@ class ScriptedStep final : public Step {
   }
 
   int begun = 0;
-  std::vector<FiredShot> shots;
+  std::vector<host::Shot> shots;
   std::string why_not;
 
  private:
@@ -299,7 +299,7 @@ TEST(Commissioning, FiresWhatAStepAsksForOnce) {
   CHECK_TRUE(last_command().plan.dry != 0);
   end_shot();
   LONGS_EQUAL(1, scripted[0]->shots.size());
-  LONGS_EQUAL(100, scripted[0]->shots[0].shot.flash_count);
+  LONGS_EQUAL(100, scripted[0]->shots[0].summary->flash_count);
   CHECK_EQUAL("lamp passed", joined(told.results));
   CHECK_TRUE(commissioning->finished());
 }
