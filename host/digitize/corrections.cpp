@@ -9,6 +9,7 @@
 
 #include "common/config/toml_reader.hpp"
 #include "host/digitize/core/statistics.hpp"
+#include "host/digitize/path/image_order.hpp"
 
 namespace strobe::digitize {
 
@@ -44,7 +45,7 @@ class Editor {
     auto& images = result_.frame.images;
     images.insert(images.end(), added_.begin(), added_.end());
     result_.outlines.insert(result_.outlines.end(), added_outlines_.begin(), added_outlines_.end());
-    reorder_images(result_, settings_);
+    order_images(result_.frame, result_.outlines, settings_, result_.remarks);
     if (result_.surface_by_hand) measure_contacts(result_);
     return std::move(result_);
   }

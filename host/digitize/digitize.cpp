@@ -78,13 +78,12 @@ class Digitizer {
     watch.lap("outlines");
     find_surface(outlines);
     watch.lap("surface");
-    const std::vector<double> times_s = settings_.flash_times_s.value_or(std::vector<double>());
-    result_.outlines = select_by_path(photograph_, map_, std::move(outlines), surface_,
-                                      {settings_.ball_diameter_m, times_s}, result_.unmeasured);
+    result_.outlines =
+        select_by_path(photograph_, map_, std::move(outlines), surface_, settings_, result_.unmeasured);
     watch.lap("path");
     fill_frame();
     measure_scale();
-    reorder_images(result_, settings_);
+    order_images(result_.frame, result_.outlines, settings_, result_.remarks);
     watch.lap("order");
     measure_contacts(result_);
     watch.lap("contacts");
@@ -318,15 +317,6 @@ void measure_contacts(Digitization& digitization) {
     digitization.remarks.push_back(
         fmt::format("in contact the ball's top is known to {:.2f} px", top_sd) +
         (width_sd > 0.0 ? fmt::format(", its flat side's width to {:.1f} px", width_sd) : ""));
-}
-
-void reorder_images(Digitization& digitization, const DigitizeSettings& settings) {
-  OrderSettings order;
-  order.ball_diameter_m = settings.ball_diameter_m;
-  order.leftwards = settings.leftwards;
-  order.bounce = settings.bounce;
-  if (settings.flash_times_s) order.flash_times_s = *settings.flash_times_s;
-  order_images(digitization.frame, digitization.outlines, order, digitization.remarks);
 }
 
 }  // namespace strobe::digitize

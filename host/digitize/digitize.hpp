@@ -13,13 +13,13 @@
 #include "host/digitize/core/plane_map.hpp"
 #include "host/digitize/core/types.hpp"
 #include "host/digitize/image/photograph.hpp"
+#include "host/digitize/path/path.hpp"
 #include "host/digitize/surface/surface_line.hpp"
 #include "host/digitize/transfer/transfer_curve.hpp"
 
 namespace strobe::digitize {
 
-struct DigitizeSettings {
-  double ball_diameter_m = 0.0651;  ///< 0.01 to 1
+struct DigitizeSettings : FlightFacts {
   std::optional<double> ball_diameter_sd_m;
   std::optional<double>
       px_per_m;  ///< in the balls' plane, > 0; a first guess unless calibrated; absent: found
@@ -29,9 +29,6 @@ struct DigitizeSettings {
   double size_tolerance = 0.08;
   PlaneMap map = PlaneMap::uncalibrated(0);
   std::optional<SurfaceLine> surface;  ///< calibrated; absent: found from the plate
-  std::optional<bool> leftwards;       ///< known direction of flight; absent: estimated from the bounce
-  std::optional<int> bounce;           ///< of several, whose legs and times are wanted, from 1 in time
-  std::optional<std::vector<double>> flash_times_s;  ///< of all flashes, ascending
   Effort effort = Effort::standard;
 };
 
@@ -62,8 +59,5 @@ Result<Digitization> digitize(const Photograph& photograph, const DigitizeSettin
 /// Tops and flat widths of the images in contact, by the frame's surface line, of those that have none; what
 /// cannot be measured is listed. Nothing without a line.
 void measure_contacts(Digitization& digitization);
-
-/// Finds order, legs and times of the images again, after some were changed.
-void reorder_images(Digitization& digitization, const DigitizeSettings& settings);
 
 }  // namespace strobe::digitize

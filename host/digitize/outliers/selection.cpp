@@ -258,8 +258,7 @@ class PathSelection {
       : outlines_(std::move(outlines)),
         limbs_(std::move(limbs)),
         points_(path_points(outlines_, surface)),
-        path_(
-            find_path(points_, path_context(outlines_, surface, facts.ball_diameter_m, facts.flash_times_s))),
+        path_(find_path(points_, path_context(outlines_, surface, facts))),
         keep_(outlines_.size(), true),
         rejected_(rejected) {}
 
@@ -393,7 +392,7 @@ std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap
   PathSelection selection(std::move(balls), std::move(their_limbs), surface, facts, rejected);
   selection.reject_off_path();
   selection.reject_ghosts();
-  selection.reject_too_close(facts.flash_times_s);
+  selection.reject_too_close(facts.times_s());
   selection.reject_imprecise_contacts();
   return selection.selected();
 }

@@ -77,11 +77,6 @@ std::vector<Outline> select_by_size(const Photograph& photograph, const PlaneMap
                                     std::vector<Outline> outlines, const std::optional<SurfaceLine>& surface,
                                     std::vector<Unmeasured>& rejected);
 
-struct FlightFacts {
-  double ball_diameter_m = 0.0;
-  std::span<const double> flash_times_s;  ///< ascending; empty: not known
-};
-
 /// Checks of limb, path, ghosts, spacing, and of the precision of images in contact.
 std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap& map,
                                     std::vector<Outline> outlines, const std::optional<SurfaceLine>& surface,

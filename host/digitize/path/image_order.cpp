@@ -88,9 +88,9 @@ class Orderer {
   }
 
   std::optional<Timed> timed(const PathOrder& order) const {
-    if (context_.flash_times_s.empty()) return std::nullopt;
+    if (context_.path.flash_times_s.empty()) return std::nullopt;
     const matching::Track path = track(order);
-    const auto match = matching::match_flashes(context_.flash_times_s, path, std::nullopt);
+    const auto match = matching::match_flashes(context_.path.flash_times_s, path, std::nullopt);
     if (!match) return std::nullopt;
     return Timed{*match, matching::degrees_of_freedom(path),
                  speed(path, match->hypotheses.front().flash, Leg::incoming)};
@@ -101,7 +101,7 @@ class Orderer {
     double nearest_s = 0.0;
     for (std::size_t k = 0; k < path.images.size(); ++k) {
       if (path.images[k].leg != leg) continue;
-      const double time_s = context_.flash_times_s[static_cast<std::size_t>(flash[k])];
+      const double time_s = context_.path.flash_times_s[static_cast<std::size_t>(flash[k])];
       if (leg == Leg::incoming || fit.count() == 0) nearest_s = time_s;
       fit.add(time_s, path.images[k].centre_px);
     }
@@ -170,11 +170,11 @@ class Orderer {
     }
     tell_bounces(order);
     if (path_.straight) return set_drop_flashes(order);
-    if (context_.flash_times_s.empty()) return;
+    if (context_.path.flash_times_s.empty()) return;
     if (!match) match = timed(order);
     if (!match) {
       result_.remarks.push_back(fmt::format("{} images, but only {} flashes: no image has a time",
-                                            order.sequence.size(), context_.flash_times_s.size()));
+                                            order.sequence.size(), context_.path.flash_times_s.size()));
       return;
     }
     const matching::Track path = track(order);
@@ -197,7 +197,7 @@ class Orderer {
     result_.sequence = order.sequence;
     result_.leg.resize(order.sequence.size());
     result_.other_leg.assign(order.sequence.size(), true);
-    result_.remarks.push_back(context_.flash_times_s.empty()
+    result_.remarks.push_back(context_.path.flash_times_s.empty()
                                   ? "the ball flies along one line: without the flashes' times no image can "
                                     "be told to be of the way down "
                                     "or of the way up"
@@ -291,7 +291,7 @@ std::vector<T> permuted(std::vector<T>& values, const std::vector<int>& sequence
   return result;
 }
 
-void set_legs_and_times(const TimeOrder& order, const OrderSettings& settings, Frame& frame) {
+void set_legs_and_times(const TimeOrder& order, std::span<const double> times_s, Frame& frame) {
   for (std::size_t k = 0; k < frame.images.size(); ++k) {
     BallImage& image = frame.images[k];
     image.other_leg = order.other_leg[k];
@@ -300,7 +300,7 @@ void set_legs_and_times(const TimeOrder& order, const OrderSettings& settings, F
     image.flash_index.reset();
     if (order.flash.empty() || order.flash[k] < 0) continue;
     image.flash_index = order.flash[k];
-    image.time_s = settings.flash_times_s[static_cast<std::size_t>(order.flash[k])];
+    image.time_s = times_s[static_cast<std::size_t>(order.flash[k])];
   }
 }
 
@@ -314,25 +314,24 @@ std::optional<SurfaceLine> surface_line_of(const Frame& frame) {
   return line;
 }
 
-void order_images(Frame& frame, std::vector<Outline>& outlines, const OrderSettings& settings,
+void order_images(Frame& frame, std::vector<Outline>& outlines, const FlightFacts& facts,
                   std::vector<std::string>& remarks) {
   if (outlines.size() != frame.images.size() || outlines.empty()) return;
   const auto surface = surface_line_of(frame);
   const auto points = path_points(outlines, surface);
   TimeContext context;
-  context.path = path_context(outlines, surface, settings.ball_diameter_m, settings.flash_times_s);
-  context.px_per_m = context.path.diameter_px / settings.ball_diameter_m;
+  context.path = path_context(outlines, surface, facts);
+  context.px_per_m = context.path.diameter_px / facts.ball_diameter_m;
   context.gravity_mps2 = flight::gravity_mps2(radians(frame.surface_angle_deg));
-  context.leftwards = settings.leftwards;
-  context.bounce = settings.bounce;
-  context.flash_times_s = settings.flash_times_s;
+  context.leftwards = facts.leftwards;
+  context.bounce = facts.bounce;
   Path path = find_path(points, context.path);
   if (!path.outliers.empty()) assign_outliers(path, points, context.path);
   TimeOrder order = order_in_time(points, path, context);
   assert(order.sequence.size() == outlines.size());
   frame.images = permuted(frame.images, order.sequence);
   outlines = permuted(outlines, order.sequence);
-  set_legs_and_times(order, settings, frame);
+  set_legs_and_times(order, facts.times_s(), frame);
   remarks.insert(remarks.end(), order.remarks.begin(), order.remarks.end());
 }
 

@@ -19,7 +19,6 @@ struct TimeContext {
   double px_per_m = 0.0;
   Eigen::Vector2d gravity_mps2 = Eigen::Vector2d::Zero();  ///< in the axes of the points
   std::optional<bool> leftwards;                           ///< known direction of flight
-  std::span<const double> flash_times_s;                   ///< ascending; empty: not known
   std::optional<int> bounce;  ///< whose legs are told, from 1 in time; absent: see path_order.hpp
 };
 
@@ -27,7 +26,7 @@ struct TimeOrder {
   std::vector<int> sequence;                       ///< indices of the points, in order of time
   std::vector<std::optional<reduction::Leg>> leg;  ///< of the sequence; absent where undecided
   std::vector<bool> other_leg;  ///< of the sequence: of neither leg of the bounce, or not told of which
-  /// Of the sequence: indices into flash_times_s, -1 for images of other legs. Empty: not known, or no steady
+  /// Of the sequence: indices into the flashes, -1 for images of other legs. Empty: not known, or no steady
   /// flight passes through the images.
   std::vector<int> flash;
   bool leftwards = false;
@@ -39,14 +38,6 @@ TimeOrder order_in_time(std::span<const PathPoint> points, const Path& path, con
 // Puts the images of a frame in order of time, with their legs and, if the flashes are known, their times.
 // Deterministic; no I/O; thread-safe; allocates.
 
-struct OrderSettings {
-  double ball_diameter_m = 0.0651;        ///< > 0
-  std::optional<bool> leftwards;          ///< known direction of flight
-  std::span<const double> flash_times_s;  ///< ascending; empty: not known
-  std::optional<int>
-      bounce;  ///< of several, whose legs and times are wanted, from 1; absent: see path_order.hpp
-};
-
 /// The surface's line as the frame has it; nullopt if it has none.
 std::optional<SurfaceLine> surface_line_of(const reduction::Frame& frame);
 
@@ -54,7 +45,7 @@ std::optional<SurfaceLine> surface_line_of(const reduction::Frame& frame);
 /// leg that an image already has is kept. Sets time_s and flash_index from the flashes; times are
 /// not-a-number without them, with fewer flashes than images, or if no steady flight passes through the
 /// images. Assumptions are added to `remarks`.
-void order_images(reduction::Frame& frame, std::vector<Outline>& outlines, const OrderSettings& settings,
+void order_images(reduction::Frame& frame, std::vector<Outline>& outlines, const FlightFacts& facts,
                   std::vector<std::string>& remarks);
 
 }  // namespace strobe::digitize

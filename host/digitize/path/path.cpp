@@ -42,13 +42,13 @@ std::vector<PathPoint> path_points(std::span<const Outline> outlines,
 }
 
 PathContext path_context(std::span<const Outline> outlines, const std::optional<SurfaceLine>& surface,
-                         double ball_diameter_m, std::span<const double> flash_times_s) {
+                         const FlightFacts& facts) {
   std::vector<double> diameters;
   for (const Outline& o : outlines) diameters.push_back(o.diameter);
   PathContext context{median(std::move(diameters)), surface.has_value(),
                       surface ? height_sd_px(*surface) : 0.0};
-  context.flash_times_s = flash_times_s;
-  context.gravity_pxps2 = flight::kStandardGravity_mps2 * context.diameter_px / ball_diameter_m;
+  context.flash_times_s = facts.times_s();
+  context.gravity_pxps2 = flight::kStandardGravity_mps2 * context.diameter_px / facts.ball_diameter_m;
   return context;
 }
 

@@ -28,6 +28,18 @@ inline const PathPoint& point_at(std::span<const PathPoint> points, int i) {
 /// Of the point's distance from a smooth path (px²): the outline's, and what that leaves out, the lens.
 double variance_across(const PathPoint& point, double diameter_px);
 
+/// What is known of the flight before it is seen.
+struct FlightFacts {
+  double ball_diameter_m = 0.0651;                   ///< 0.01 to 1
+  std::optional<bool> leftwards;                     ///< absent: estimated from the bounce
+  std::optional<int> bounce;                         ///< whose legs and times are wanted, from 1 in time
+  std::optional<std::vector<double>> flash_times_s;  ///< of all flashes, ascending
+
+  std::span<const double> times_s() const {
+    return flash_times_s ? std::span<const double>(*flash_times_s) : std::span<const double>();
+  }
+};
+
 struct PathContext {
   double diameter_px = 0.0;
   bool surface_known = false;  ///< then y = 0 is the surface
@@ -39,9 +51,9 @@ struct PathContext {
 std::vector<PathPoint> path_points(std::span<const Outline> outlines,
                                    const std::optional<SurfaceLine>& surface);
 
-/// With the outlines' median diameter, which is ball_diameter_m.
+/// With the outlines' median diameter, which is the ball's. Refers to the facts.
 PathContext path_context(std::span<const Outline> outlines, const std::optional<SurfaceLine>& surface,
-                         double ball_diameter_m, std::span<const double> flash_times_s);
+                         const FlightFacts& facts);
 
 /// Indices into the points.
 struct Path {

@@ -103,7 +103,7 @@ TimeContext context(std::span<const double> times = {}, std::optional<int> bounc
   c.path = view();
   c.px_per_m = kPx_per_m;
   c.gravity_mps2 = {0.0, -kGravity_mps2};
-  c.flash_times_s = times;
+  c.path.flash_times_s = times;
   c.bounce = bounce;
   return c;
 }

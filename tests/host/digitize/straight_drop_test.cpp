@@ -142,11 +142,10 @@ TEST(StraightDrops, ThatAreNotToldGiveNoImageALegOrATime) {
     frame.images.emplace_back();
     frame.images.back().centre_px = {500.0, image.height_px};
   }
-  const auto times = drop.flashes();
-  OrderSettings settings;
-  settings.flash_times_s = times;
+  FlightFacts facts;
+  facts.flash_times_s = drop.flashes();
   std::vector<std::string> remarks;
-  order_images(frame, outlines, settings, remarks);
+  order_images(frame, outlines, facts, remarks);
   for (const auto& image : frame.images) {
     CHECK_TRUE(image.other_leg);
     CHECK_FALSE(image.leg.has_value());
