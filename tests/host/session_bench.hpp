@@ -6,6 +6,7 @@
 
 #include "host/session/session.hpp"
 #include "tests/host/synthetic_shot.hpp"
+#include "tests/support/string_from.hpp"
 
 namespace strobe::host_test {
 
@@ -52,6 +53,11 @@ struct Bench {
   void shot() { session.on_shot(made.shot, local); }
   void frame() { session.on_frame(made.frame, local); }
   std::vector<Shot> shot_results() { return session.take_shot_results(); }
+  Shot only_result() {
+    const auto results = shot_results();
+    LONGS_EQUAL(1, results.size());
+    return results.at(0);
+  }
 };
 
 inline event_t ended(std::int32_t shot_id, std::int64_t sequence) {
@@ -70,6 +76,12 @@ struct CutOff : Bench {
     session.on_event(of_kind(event_t::SHOT_STARTED, 6, 2, kind_of_shot), local);
     session.on_event(of_kind(event_t::FLASH, 6, 3, ""), local);
     session.on_event(of_kind(event_t::FLASH, 6, 4, ""), local);
+  }
+  /// The next boot tells of the last number that boot 77 has written.
+  void tell_of_death(std::int64_t last_sequence) {
+    status(end, 78);
+    const host::EndedBoot dead{77, last_sequence};
+    session.ledger().earlier({&dead, 1}, local);
   }
   static event_t of_kind(std::int8_t kind, std::int32_t shot_id, std::int64_t sequence,
                          const std::string& detail) {

@@ -21,12 +21,11 @@ TEST(SessionOfMessages, ShotAndFrameMakeOneReadout) {
   CHECK_TRUE(bench.shot_results().empty());
   LONGS_EQUAL(1, bench.session.waiting_for_photograph());
   bench.frame();
-  const auto shot_results = bench.shot_results();
-  LONGS_EQUAL(1, shot_results.size());
-  CHECK_FALSE(shot_results[0].rejected.has_value());
-  LONGS_EQUAL(77, shot_results[0].boot_id);
-  LONGS_EQUAL(5, shot_results[0].host_id);
-  CHECK_TRUE(shot_results[0].readout.value[reduction::Quantity::e].has_value());
+  const host::Shot result = bench.only_result();
+  CHECK_FALSE(result.rejected.has_value());
+  LONGS_EQUAL(77, result.boot_id);
+  LONGS_EQUAL(5, result.host_id);
+  CHECK_TRUE(result.readout.value[reduction::Quantity::e].has_value());
 }
 
 TEST(SessionOfMessages, TheFrameMayComeBeforeTheShot) {
@@ -95,11 +94,10 @@ TEST(SessionOfMessages, TheWaitForThePhotographEndsByTheFirmwaresClock) {
   bench.session.on_time(bench.local);
   CHECK_TRUE(bench.shot_results().empty());
   bench.status(bench.end + 5 * kSecond + Duration{1});
-  const auto shot_results = bench.shot_results();
-  LONGS_EQUAL(1, shot_results.size());
-  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::no_photograph));
-  CHECK_FALSE(shot_results[0].readout.value[reduction::Quantity::e].has_value());
-  CHECK_TRUE(shot_results[0].rejected.has_value());
+  const host::Shot result = bench.only_result();
+  CHECK_TRUE(result.readout.flags.has(Flag::no_photograph));
+  CHECK_FALSE(result.readout.value[reduction::Quantity::e].has_value());
+  CHECK_TRUE(result.rejected.has_value());
 }
 
 TEST(SessionOfMessages, ASilentFirmwareDoesNotMakeItWaitForEver) {
@@ -127,10 +125,9 @@ TEST(SessionOfMessages, AShotAbortedBeforeTheTriggerIsDoneAtOnce) {
   bench.made.shot.abort_reason = "key off";
   bench.made.shot.trigger_ns = strobe_msgs::shot_t::NO_TIME;
   bench.shot();
-  const auto shot_results = bench.shot_results();
-  LONGS_EQUAL(1, shot_results.size());
-  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::shot_aborted));
-  STRCMP_CONTAINS("key off", shot_results[0].problem.c_str());
+  const host::Shot result = bench.only_result();
+  CHECK_TRUE(result.readout.flags.has(Flag::shot_aborted));
+  STRCMP_CONTAINS("key off", result.problem.c_str());
   bench.frame();  // of an empty plate; nothing to say of it
   CHECK_TRUE(bench.session.take_notifications().empty());
 }
@@ -151,11 +148,10 @@ TEST(SessionOfMessages, ADryShotIsDoneWithoutAPhotograph) {
   Bench bench;
   bench.made.shot.plan.dry = true;
   bench.shot();
-  const auto shot_results = bench.shot_results();
-  LONGS_EQUAL(1, shot_results.size());
-  CHECK_TRUE(shot_results[0].dry);
-  CHECK_FALSE(shot_results[0].rejected.has_value());
-  LONGS_EQUAL(166, *shot_results[0].train.seen_by_a);
+  const host::Shot result = bench.only_result();
+  CHECK_TRUE(result.dry);
+  CHECK_FALSE(result.rejected.has_value());
+  LONGS_EQUAL(166, *result.train.seen_by_a);
 }
 
 TEST(SessionOfMessages, AShotThatWasOverLongAgoIsNotWaitedForByAPassiveHost) {
@@ -197,9 +193,7 @@ TEST(SessionOfMessages, NoNumberIsGivenBeforeAllEventsOfItsShotAreHere) {
   bench.session.on_event(ended(0, 4), bench.local);
   CHECK_TRUE(bench.shot_results().empty());
   bench.session.on_event(ended(0, 5), bench.local);
-  const auto shot_results = bench.shot_results();
-  LONGS_EQUAL(1, shot_results.size());
-  CHECK_FALSE(shot_results[0].readout.flags.has(Flag::events_missing));
+  CHECK_FALSE(bench.only_result().readout.flags.has(Flag::events_missing));
 }
 
 TEST(SessionOfMessages, NumbersOfAShotWhoseEventsNeverComeAreFlagged) {
@@ -209,10 +203,9 @@ TEST(SessionOfMessages, NumbersOfAShotWhoseEventsNeverComeAreFlagged) {
   bench.shot();
   bench.frame();
   bench.beat_until(bench.end + 6 * kSecond);
-  const auto shot_results = bench.shot_results();
-  LONGS_EQUAL(1, shot_results.size());
-  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::events_missing));
-  CHECK_TRUE(shot_results[0].readout.value[reduction::Quantity::e].has_value());
+  const host::Shot result = bench.only_result();
+  CHECK_TRUE(result.readout.flags.has(Flag::events_missing));
+  CHECK_TRUE(result.readout.value[reduction::Quantity::e].has_value());
 }
 
 TEST(SessionOfMessages, APhotographThatIsLateIsAskedForByItsShot) {
@@ -232,20 +225,18 @@ TEST(SessionOfMessages, AShotInWhichTheFirmwareDiedIsReportedOnceAllThatWasWritt
   CutOff bench(5);
   bench.status(bench.end, 78);
   CHECK_TRUE(bench.shot_results().empty());  // more of it may be in the journal
-  const host::EndedBoot dead{77, 5};
-  bench.session.ledger().earlier({&dead, 1}, bench.local);
+  bench.tell_of_death(5);
   bench.session.on_time(bench.local);
   CHECK_TRUE(bench.shot_results().empty());
   bench.session.on_event(bench.of_kind(event_t::FLASH, 6, 5, ""), bench.local);
-  const auto shot_results = bench.shot_results();
-  LONGS_EQUAL(1, shot_results.size());
-  LONGS_EQUAL(77, shot_results[0].boot_id);
-  LONGS_EQUAL(6, shot_results[0].shot_id);
-  LONGS_EQUAL(5, shot_results[0].host_id);
-  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::events_missing));
-  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::shot_aborted));
-  CHECK_TRUE(shot_results[0].rejected.has_value());
-  CHECK_FALSE(shot_results[0].readout.value[reduction::Quantity::e].has_value());
+  const host::Shot result = bench.only_result();
+  LONGS_EQUAL(77, result.boot_id);
+  LONGS_EQUAL(6, result.shot_id);
+  LONGS_EQUAL(5, result.host_id);
+  CHECK_TRUE(result.readout.flags.has(Flag::events_missing));
+  CHECK_TRUE(result.readout.flags.has(Flag::shot_aborted));
+  CHECK_TRUE(result.rejected.has_value());
+  CHECK_FALSE(result.readout.value[reduction::Quantity::e].has_value());
   bench.made.frame.boot_id = 77;
   bench.made.frame.shot_id = 6;
   bench.frame();
@@ -256,29 +247,21 @@ TEST(SessionOfMessages, AShotInWhichTheFirmwareDiedIsReportedOnceAllThatWasWritt
 TEST(SessionOfMessages, ADryShotInWhichTheFirmwareDiedIsReportedAsDry) {
   CutOff bench(5, "dry");
   bench.last_written = 4;
-  bench.status(bench.end, 78);
-  const host::EndedBoot dead{77, 4};
-  bench.session.ledger().earlier({&dead, 1}, bench.local);
+  bench.tell_of_death(4);
   bench.session.on_time(bench.local);
-  const auto shot_results = bench.shot_results();
-  LONGS_EQUAL(1, shot_results.size());
-  CHECK_TRUE(shot_results[0].dry);
+  CHECK_TRUE(bench.only_result().dry);
 }
 
 TEST(SessionOfMessages, ASummaryThatNeverWasWrittenIsGivenUp) {
   CutOff bench(5);
   bench.session.on_event(ended(6, 5), bench.local);
-  const host::EndedBoot dead{77, 5};
-  bench.status(bench.end, 78);
-  bench.session.ledger().earlier({&dead, 1}, bench.local);
+  bench.tell_of_death(5);
   for (int beat = 0; beat < 40; ++beat) {
     bench.local += kSecond / 2;
     bench.status(bench.end + beat * kSecond / 2, 78);
     bench.session.on_time(bench.local);
   }
-  const auto shot_results = bench.shot_results();
-  LONGS_EQUAL(1, shot_results.size());
-  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::events_missing));
+  CHECK_TRUE(bench.only_result().readout.flags.has(Flag::events_missing));
   CHECK_TRUE(bench.session.ledger().complete());
 }
 
@@ -317,10 +300,9 @@ TEST(SessionOfMessages, AShotDuringWhichTheFirmwaresMachineWasSuspendedHasNoTime
   woken.boot_time_ns = woken.mono_ns + 30'000'000'000;  // the heartbeat before had both at the same
   bench.session.on_status(woken, bench.local + 30 * kSecond);
   bench.frame();
-  const auto shot_results = bench.shot_results();
-  LONGS_EQUAL(1, shot_results.size());
-  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::clock_suspect));
-  CHECK_TRUE(shot_results[0].rejected.has_value());
+  const host::Shot result = bench.only_result();
+  CHECK_TRUE(result.readout.flags.has(Flag::clock_suspect));
+  CHECK_TRUE(result.rejected.has_value());
 }
 
 TEST(SessionOfMessages, TheWaitForThePhotographEndsAlsoAfterTheFirmwaresMachineWasStartedAnew) {
@@ -347,15 +329,7 @@ TEST(SessionOfMessages, AtTheEndOfALogWaitingShotsEndWithoutAPhotograph) {
   CHECK_TRUE(bench.shot_results().at(0).readout.flags.has(Flag::no_photograph));
 }
 
-namespace {
-
-using namespace strobe;
 using strobe::host::GapRecovery;
-using strobe::host::Session;
-
-constexpr Duration kSecond = std::chrono::seconds{1};
-
-}  // namespace
 
 TEST_GROUP(GapRecoveryOfAHost) {
   Session session{{}, 5};

@@ -108,8 +108,7 @@ TEST(LineFault, ADimFlashIsSeenByItsSensorAndNotOnTheFilm) {
   test::VirtualRigFixture sound(scene);
   const auto all = film_images(scene, sound.shoot());
   scene.faults = {{.kind = FaultKind::flash_dim, .flash_from_impact = -1}};
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   LONGS_EQUAL(all.size() - 1, film_images(scene, exposure).size());
   LONGS_EQUAL(sound.drives_of(RigLine::sensor_a, 1).size(), fixture.drives_of(RigLine::sensor_a, 1).size());
   CHECK(exposure.has(FaultKind::flash_dim));
@@ -119,8 +118,7 @@ TEST(LineFault, ASensorThatDropsOutLeavesTheFilmAsItIs) {
   test::VirtualRigFixture sound(scene);
   const auto all = film_images(scene, sound.shoot());
   scene.faults = {{.kind = FaultKind::sensor_dropout, .flash_index = 5, .lamp_b = false}};
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   LONGS_EQUAL(all.size(), film_images(scene, exposure).size());
   LONGS_EQUAL(sound.drives_of(RigLine::sensor_a, 1).size() - 1,
               fixture.drives_of(RigLine::sensor_a, 1).size());
@@ -154,8 +152,7 @@ TEST(LineFault, AChatteringGateIsInterruptedBeforeTheBallComes) {
 
 TEST(LineFault, AStuckShutterShowsNothing) {
   scene.faults = {{.kind = FaultKind::shutter_stuck}};
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   CHECK_FALSE(known(exposure.opened));
   CHECK(film_images(scene, exposure).empty());
   CHECK_FALSE(shows_impact(exposure));
@@ -219,8 +216,7 @@ TEST(CommissioningFaults, ADeadGateSeesNoBall) {
 
 TEST(CommissioningFaults, AMachineThatThrowsTwiceInterruptsTheGateTwice) {
   scene.faults = {{.kind = FaultKind::machine_double, .delay = milliseconds(80)}};
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   LONGS_EQUAL(2, exposure.throws);
   LONGS_EQUAL(1, exposure.more_balls.size());
   CHECK(exposure.has(FaultKind::machine_double));

@@ -38,8 +38,7 @@ TEST_GROUP(Rig) {
 TEST(Rig, AnswersEveryPulseWithBothSensorsAtTheTrueFlashes) {
   scene.lamps.jitter_s = 1e-6;
   scene.sensors.delay_s = 2e-6;
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   LONGS_EQUAL(167, exposure.pulses.size());  // 500 ms at 3 ms
   for (const RigLine line : {RigLine::sensor_a, RigLine::sensor_b}) {
     const auto rises = fixture.drives_of(line, 1);
@@ -68,8 +67,7 @@ TEST(Rig, GivesNothingBeforeItsInstant) {
 TEST(Rig, OpensAndClosesTheShutterItsLagsAfterTheLine) {
   scene.shutter.open_lag_s = 0.045;
   scene.shutter.close_lag_s = 0.030;
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   CHECK_EQUAL(milliseconds(45), exposure.opened - exposure.line_on);
   CHECK_EQUAL(milliseconds(530), exposure.closed - exposure.line_on);
 }
@@ -84,8 +82,7 @@ TEST(Rig, TakesNoPhotographWhenTheLineIsReleasedBeforeTheShutterMoved) {
 }
 
 TEST(Rig, MeetsThePlateTheMachinesLagAfterTheTrigger) {
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   CHECK(exposure.ball.has_value());
   LONGS_EQUAL(1, exposure.throws);
   // The trigger was set such that the ball meets the plate 250 ms after the shutter opened.
@@ -110,8 +107,7 @@ TEST(Rig, SpreadsTheMachinesLagFromShotToShot) {
 TEST(Rig, ClosesTheGateWhileTheBallIsInItsBeam) {
   // Beam 1 m ahead of the plate; the ball's edge meets it a radius earlier. In a vacuum vx does not change.
   scene.air.density_kgpm3 = 0.0;
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   const double vx = 17.0 * std::cos(23.0 * std::numbers::pi / 180.0);
   const auto rise = fixture.drives_of(RigLine::gate, 1);
   const auto fall = fixture.drives_of(RigLine::gate, 0);
@@ -146,8 +142,7 @@ TEST(Rig, PhotographsNoBallThatWouldHaveMetThePlateAgain) {
   scene.machine.angle_rad = -80.0 * std::numbers::pi / 180.0;
   scene.bounce.e = 0.2;
   scene.bounce.e_speed_mps = 5.0;
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   const auto images = film_images(scene, exposure);
   CHECK(images.back().time < exposure.ball->touchdown + milliseconds(225));
   CHECK(images.back().time > exposure.ball->touchdown + milliseconds(150));
@@ -192,8 +187,7 @@ TEST(Rig, HasNoBallOrExposureFromBeforeARestart) {
 
 TEST(Rig, MakesAnImageWithOneLampAlone) {
   scene.faults = {{.kind = FaultKind::lamp_dead, .lamp_b = false}};
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   CHECK(film_images(scene, exposure).size() >= 10);
   CHECK(fixture.drives_of(RigLine::sensor_a, 1).empty());
   LONGS_EQUAL(exposure.pulses.size(), fixture.drives_of(RigLine::sensor_b, 1).size());
@@ -204,8 +198,7 @@ TEST(Rig, MakesNoImageWhereBothLampsMiss) {
   test::VirtualRigFixture sound(scene);
   const std::size_t whole = film_images(scene, sound.shoot()).size();
   scene.faults = {{.kind = FaultKind::flash_missing, .flash_from_impact = 2}};
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   LONGS_EQUAL(whole - 1, film_images(scene, exposure).size());
   CHECK(exposure.pulses[pulse_at(exposure, 2)].flashes.empty());
   CHECK(!known(flash_time(exposure.pulses[pulse_at(exposure, 2)])));
@@ -231,8 +224,7 @@ TEST(Rig, StrikesTheFlashThatTheFaultCountsFromTheImpact) {
 TEST(Rig, BlendsTheTwoLampsOfAPulseIntoOneImageBetweenThem) {
   scene.faults = {
       {.kind = FaultKind::flash_late, .flash_from_impact = -2, .lamp_b = false, .delay = microseconds(160)}};
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   const auto late = static_cast<int>(pulse_at(exposure, -2));
   int seen = 0;
   for (const FilmImage& image : film_images(scene, exposure)) {
@@ -245,8 +237,7 @@ TEST(Rig, BlendsTheTwoLampsOfAPulseIntoOneImageBetweenThem) {
 
 TEST(Rig, ShowsADoubleFlashFarApartAsTwoImagesAndTwoEdges) {
   scene.faults = {{.kind = FaultKind::flash_double, .flash_from_impact = -2, .delay = microseconds(900)}};
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   LONGS_EQUAL(exposure.pulses.size() + 1, fixture.drives_of(RigLine::sensor_a, 1).size());
   const auto images = film_images(scene, exposure);
   const auto from_it =
@@ -256,8 +247,7 @@ TEST(Rig, ShowsADoubleFlashFarApartAsTwoImagesAndTwoEdges) {
 
 TEST(Rig, LengthensASensorsPulseByLightThatComesDuringIt) {
   scene.faults = {{.kind = FaultKind::flash_double, .flash_index = 5, .delay = microseconds(60)}};
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   const auto rises = fixture.drives_of(RigLine::sensor_a, 1);
   const auto falls = fixture.drives_of(RigLine::sensor_a, 0);
   LONGS_EQUAL(exposure.pulses.size(), rises.size());
@@ -267,16 +257,14 @@ TEST(Rig, LengthensASensorsPulseByLightThatComesDuringIt) {
 
 TEST(Rig, SilencesADeadSensorButNotItsLamp) {
   scene.faults = {{.kind = FaultKind::sensor_dead, .lamp_a = false}};
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   CHECK(fixture.drives_of(RigLine::sensor_b, 1).empty());
   for (const Pulse& pulse : exposure.pulses) LONGS_EQUAL(2, pulse.flashes.size());
 }
 
 TEST(Rig, CrossesTheGateWithABallThatMissesThePlate) {
   scene.faults = {{.kind = FaultKind::ball_misses, .shot = 1}};
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   LONGS_EQUAL(1, fixture.drives_of(RigLine::gate, 1).size());
   LONGS_EQUAL(1, exposure.throws);
   CHECK(!exposure.ball.has_value());
@@ -286,8 +274,7 @@ TEST(Rig, CrossesTheGateWithABallThatMissesThePlate) {
 
 TEST(Rig, ThrowsNothingWhenTheMachineMisfires) {
   scene.faults = {{.kind = FaultKind::machine_misfire, .shot = 1}};
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   LONGS_EQUAL(0, exposure.throws);
   CHECK(fixture.drives_of(RigLine::gate, 1).empty());
   CHECK(exposure.has(FaultKind::machine_misfire));
@@ -305,8 +292,7 @@ TEST(Rig, CountsEveryThrowOfAShot) {
 
 TEST(Rig, TellsWhenTheShutterIsOpenByItsContact) {
   scene.shutter.lag_sd_s = 1e-3;
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   const auto opened = fixture.drives_of(RigLine::xsync, 1), closed = fixture.drives_of(RigLine::xsync, 0);
   LONGS_EQUAL(1, opened.size());
   LONGS_EQUAL(1, closed.size());

@@ -101,8 +101,7 @@ TEST(Tablet, PutsThePhotographWhereAnIndependentProjectionPutsIt) {
   // scale by hand and compare with free fall in a vacuum from the truth at touchdown.
   scene.air.density_kgpm3 = 0.0;
   scene.lamps.flash_s = 0.0;
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   const Digitized d = digitize(scene, 1, exposure);
   const double roll = 0.3 * std::numbers::pi / 180.0;
   for (std::size_t i = 0; i < d.frame.images.size(); ++i) {
@@ -214,8 +213,7 @@ TEST(Tablet, OverlooksTheImageThatTheFaultNames) {
 
 TEST(Tablet, GivesTheSameFrameAgain) {
   scene.tablet.centre_sd_m = 0.4e-3;
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   const Digitized a = digitize(scene, 7, exposure);
   const Digitized b = digitize(scene, 7, exposure);
   for (std::size_t i = 0; i < a.frame.images.size(); ++i)
@@ -307,8 +305,7 @@ TEST(TruthLine, PlacesLiftOffTheDwellTimeAfterTouchdown) {
 }
 
 TEST(TruthLine, SaysWhichFlashMadeEachImageAndWhen) {
-  test::VirtualRigFixture fixture(scene);
-  const Exposure exposure = fixture.shoot();
+  auto [fixture, exposure] = test::shot_of(scene);
   const auto line = line_of(exposure, 7);
   LONGS_EQUAL(exposure.pulses.size(), line["flash_true_ns"].size());
   const auto image_flash = line["image_flash"].get<std::vector<int>>();

@@ -38,4 +38,10 @@ class VirtualRigFixture {
   std::vector<Drive> drives_;
 };
 
+struct Shot {
+  VirtualRigFixture fixture;
+  Exposure exposure = fixture.shoot();
+};
+inline Shot shot_of(const Scene& scene) { return {.fixture = VirtualRigFixture(scene)}; }
+
 }  // namespace strobe::sim::test
