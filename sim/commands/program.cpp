@@ -8,6 +8,7 @@
 #include "common/messages/channels.hpp"
 #include "common/wire/lcm_url.hpp"
 #include "sim/commands/commands.hpp"
+#include "sim/gpiochip/chip.hpp"
 
 namespace strobe::sim {
 
@@ -46,7 +47,8 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
                   "the lab's key, for the tablet's operator (default: $STROBE_KEY_FILE, "
                   "~/.config/strobe/lab.key)");
   run->add_option("--rig", options.rig_name, "Rig's name in the LCM channels")->capture_default_str();
-  run->add_option("--chip-dir", options.chip_dir, "Folder for the chip (default: a temporary one)");
+  run->add_option("--chip-dir", options.chip_dir, "Folder for the chip (default: a temporary one)")
+      ->envname(kChipDirVariable);
   run->add_option("--truth", options.truth_file, "Write what truly happened, one JSON object per shot");
   run->add_option("--changes", options.changes_file, "Write every change of every line as CSV");
   run->add_option("--photographs", options.photographs,
@@ -216,7 +218,7 @@ int run_program(int argc, char** argv) {
   const auto at_rig = [&app, &chip_dir](const char* name, const char* what, const char* footer) {
     CLI::App* command = app.add_subcommand(name, what);
     command->footer(footer);
-    command->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
+    command->add_option("--chip-dir", chip_dir, "The chip's folder")->envname(kChipDirVariable)->required();
     return command;
   };
   const auto takes_command = [&words](CLI::App* command) {

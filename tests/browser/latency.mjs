@@ -31,7 +31,7 @@ function figures(numbers, unit, decimals) {
 }
 
 const rig = await Rig.start(process.env.STROBE_BROWSER_FOLDER);
-const host = rig.fire(shots);
+const host = rig.fire(shots, { machineTime: true });
 const url = await host.address();
 const browser = await launch();
 const page = await open(browser, url);

@@ -28,7 +28,6 @@ using hil::LineChanges;
 using hil::LineWatcher;
 using hil::RawHost;
 using hil::RigFixture;
-using testing::monotonic_now_ns;
 using namespace std::chrono_literals;
 
 constexpr const char* kOverrun = "longest active beyond the plan, ms";
@@ -41,8 +40,9 @@ constexpr std::int64_t kAtOnce = kMs;
 constexpr std::int64_t kBySafe = 2000 * kMs;
 /// Of the clock's reading and the file's, far above both.
 constexpr std::int64_t kSlack = 100 * kMs;
-/// Longest that a trial waits for what its fault leads to: a guardian that hangs is given up after 5 s.
-constexpr auto kSettle = 8s;
+/// Longest that a trial waits, in the rig's time, for a moment of a shot, for what its fault leads to (a guardian that hangs
+/// is given up after 5 s), and for the rig's end.
+constexpr std::chrono::milliseconds kMomentComes = 3s, kSettle = 8s, kEnds = 3s;
 
 bool is_stop(const Trial& trial) {
   return trial.fault == FaultKind::stop || (trial.fault == FaultKind::signal && trial.argument == SIGSTOP);
@@ -74,7 +74,7 @@ class Fault {
 
   /// The instant, or 0 if it could not be done.
   std::int64_t put() {
-    const std::int64_t now = monotonic_now_ns();
+    const std::int64_t now = watch_.now_ns();
     if (trial_.fault == FaultKind::removed_chip) {
       watch_.unplug();
       return now;
@@ -174,14 +174,14 @@ class Attempt {
   Verdict run() {
     LineWatcher watch(rig_.chip_dir());
     if (reach_moment(watch)) {
-      const std::int64_t at = monotonic_now_ns() + trial_.delay_us * 1000;
-      while (monotonic_now_ns() < at) host_.listen(0ms);
+      const std::int64_t at = watch.now_ns() + trial_.delay_us * 1000;
+      while (watch.now_ns() < at) host_.listen(0ms);
       Fault fault(trial_, rig_, watch);
       put_ = fault.put();
       if (put_ != 0) settle(watch);
       ended_ = put_ != 0 && gone();
     }
-    end();
+    end(watch);
     if (put_ != 0) {
       judge_lines();
       judge_journal();
@@ -204,13 +204,13 @@ class Attempt {
   bool moment_comes(LineWatcher& watch) const {
     switch (trial_.moment) {
       case Moment::trigger_on:
-        return watch.wait_for("TRIGGER", 1, 3s) != 0;
+        return watch.wait_for("TRIGGER", 1, kMomentComes) != 0;
       case Moment::shutter_on:
-        return watch.wait_for("SHUTTER", 1, 3s) != 0;
+        return watch.wait_for("SHUTTER", 1, kMomentComes) != 0;
       case Moment::flash:
-        return watch.wait_for_nth("STROBE_A", 1, trial_.nth, 3s) != 0;
+        return watch.wait_for_nth("STROBE_A", 1, trial_.nth, kMomentComes) != 0;
       case Moment::shutter_off:
-        return watch.wait_for("STROBE_A", 1, 3s) != 0 && watch.wait_for("SHUTTER", 0, 3s) != 0;
+        return watch.wait_for("STROBE_A", 1, kMomentComes) != 0 && watch.wait_for("SHUTTER", 0, kMomentComes) != 0;
       case Moment::at_rest:
       case Moment::armed:
         break;
@@ -242,7 +242,7 @@ class Attempt {
     const std::int64_t begin = watch.now_ns();
     // No output may come again for longer than a shot has from one to the next.
     std::int64_t quiet_since = begin;
-    testing::wait_until(
+    watch.wait_until(
         [&] {
           if (!inactive()) quiet_since = watch.now_ns();
           const std::int64_t now = watch.now_ns();
@@ -254,9 +254,9 @@ class Attempt {
   }
 
   /// Whatever the fault has left of them: neither may outlive the trial.
-  void end() {
+  void end(const LineWatcher& watch) {
     rig_.sim().signal(SIGTERM);
-    rig_.sim().wait(3s);
+    watch.wait_until([this] { return !rig_.sim().running(); }, kEnds);
     for (const pid_t pid : {guardian_, worker_})
       if (!testing::program_of(pid).empty()) kill(pid, SIGKILL);
   }

@@ -130,6 +130,7 @@ class Bench {
 
   Command commission_command() const {
     Command command;
+    command.environment = hil::environment_of_chip(file("chip"));
     command.arguments = {program("strobe"), "commission", "--rig",  file("rig.toml"), "--session",
                          file("session"),   "--yes",      "--json", "--wait",         "6"};
     for (const std::string& id : options_.only)

@@ -108,15 +108,25 @@ std::int64_t LineWatcher::wait_for(const std::string& line, int level, testing::
 std::int64_t LineWatcher::wait_for_nth(const std::string& line, int level, int n,
                                        std::chrono::milliseconds limit) {
   const std::uint32_t wanted = number(line);
-  const MonoTime end = from_ns(testing::monotonic_now_ns() + std::chrono::nanoseconds(limit).count());
+  const MonoTime end = chip_.now() + limit;
   std::vector<sim::Change> changes;
-  while (testing::monotonic_now_ns() < to_ns(end)) {
+  while (chip_.now() < end) {
     changes.clear();
     chip_.wait_changes(cursor_, end, changes);
     for (const sim::Change& change : changes)
       if (change.line == wanted && change.level == level && --n == 0) return to_ns(change.time);
   }
   return 0;
+}
+
+bool LineWatcher::wait_until(const std::function<bool()>& condition, std::chrono::milliseconds limit) const {
+  const MonoTime end = chip_.now() + limit;
+  for (;;) {
+    const bool late = chip_.now() >= end;
+    if (condition()) return true;
+    if (late) return false;
+    testing::sleep_for(5ms);
+  }
 }
 
 void LineWatcher::unplug() { chip_.unplug(); }

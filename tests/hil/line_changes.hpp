@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -55,7 +56,8 @@ class LineWatcher {
   /// Sees changes from now on. std::runtime_error if there is no chip.
   explicit LineWatcher(const std::filesystem::path& chip_dir);
 
-  /// Waits for a line to reach a level; the instant of the change, or 0 when the limit passed.
+  /// Waits for a line to reach a level; the instant of the change, or 0 when the limit passed. Limits are of the
+  /// rig's time.
   std::int64_t wait_for(const std::string& line, int level, std::chrono::milliseconds limit);
 
   /// The instant of the n-th change (from 1) of a line to a level, from now on; 0 when the limit passed.
@@ -63,6 +65,9 @@ class LineWatcher {
 
   /// The same as wait_for() while a command runs; 0 at once when the command has ended without it.
   std::int64_t wait_for(const std::string& line, int level, testing::Process& command);
+
+  /// Whether the condition comes to hold within the limit, however long a busy machine takes for that.
+  bool wait_until(const std::function<bool()>& condition, std::chrono::milliseconds limit) const;
 
   /// Drives an input with a stamp of now.
   void drive(const std::string& line, int level);

@@ -18,11 +18,11 @@ using namespace std::chrono_literals;
 namespace {
 
 Command logger(const RigFixture& bench, const std::filesystem::path& log) {
-  return {{"lcm-logger", "--quiet", "--lcm-url=" + bench.lcm_url(), log}, {}, {}, {}};
+  return {{"lcm-logger", "--quiet", "--lcm-url=" + bench.lcm_url(), log}, environment_of_chip(bench.chip_dir()), {}, {}};
 }
 
-Command player(const std::string& lcm_url, const std::filesystem::path& log) {
-  return {{"lcm-logplayer", "--lcm-url=" + lcm_url, log}, {}, {}, {}};
+Command player(const RigFixture& bench, const std::filesystem::path& log) {
+  return {{"lcm-logplayer", "--lcm-url=" + bench.lcm_url(), log}, environment_of_chip(bench.chip_dir()), {}, {}};
 }
 
 /// Shots of which a recording holds both the summary and the measured photograph.
@@ -59,7 +59,7 @@ bool hears(const std::filesystem::path& log) {
         std::error_code error;
         return std::filesystem::file_size(log, error) > 0 && !error;
       },
-      10s);
+      kLongestWait);
 }
 
 /// Messages of a kind that a recorder has written so far.
@@ -77,9 +77,9 @@ std::string record_session(RigFixture& bench, int shots, const std::filesystem::
   const auto fired = ran(bench.fire(shots, 0));
   const std::size_t sent = readouts(fired.out).size();
   // What its queue has dropped it never writes.
-  wait_until([&] { return recorded(log, "/READOUT") >= sent; }, 3s);
+  LineWatcher(bench.chip_dir()).wait_until([&] { return recorded(log, "/READOUT") >= sent; }, 3s);
   recorder.signal(SIGINT);
-  recorder.wait(5s);
+  CHECK(recorder.wait(kLongestWait).has_value());
   return fired.out;
 }
 
@@ -99,10 +99,10 @@ TEST(Log, RecordedAndPlayedBackShowsTheSameNumbers) {
 
   Process live = bench.start(bench.strobe({"live", "--json"}));
   CHECK(live.wait_for_err("listening to rig", kLongestWait));
-  const auto played = ran(player(bench.lcm_url(), bench.folder() / "recorded.lcmlog"));
-  wait_until([&] { return measured(live.out(), whole).size() >= expected.size(); }, 20s);
+  const auto played = ran(player(bench, bench.folder() / "recorded.lcmlog"));
+  wait_until([&] { return measured(live.out(), whole).size() >= expected.size(); }, kLongestWait);
   live.signal(SIGINT);
-  CHECK(live.wait(10s).has_value());
+  CHECK(live.wait(kLongestWait).has_value());
   CHECK_EQUAL(expected, measured(live.out(), whole));
 }
 
@@ -127,7 +127,7 @@ TEST(Log, WithCommandsInItNeverFiresARigAgain) {
   CHECK(host.wait_status());
   CHECK(host.arm() != 0);
   const std::int64_t before = LineWatcher(first.chip_dir()).now_ns();
-  run_process(player(first.lcm_url(), log), kLongestWait);
+  run_process(player(first, log), kLongestWait);
   host.listen(1s);
   const LineChanges changes = first.finish();
   for (const std::string& output : kOutputs) LONGS_EQUAL(0, changes.rises(output, before));
@@ -137,7 +137,7 @@ TEST(Log, WithCommandsInItNeverFiresARigAgain) {
   RawHost other(second);
   CHECK(other.wait_status());
   CHECK(other.arm() != 0);
-  run_process(player(second.lcm_url(), log), kLongestWait);
+  run_process(player(second, log), kLongestWait);
   other.listen(1s);
   const LineChanges untouched = second.finish();
   for (const std::string& output : kOutputs) LONGS_EQUAL(0, untouched.rises(output));
@@ -149,11 +149,11 @@ TEST(Log, OfAListenerThatJoinsLateHoldsTheShotsBeforeItAndThoseToCome) {
   Process live = bench.start(bench.strobe({"live", "--json"}));
   // The journal is asked for what was; whoever measured its photographs sends them again.
   const std::size_t past = readouts(before.out).size();
-  CHECK(wait_until([&] { return readouts(live.out()).size() >= past; }, 8s));
+  CHECK(wait_until([&] { return readouts(live.out()).size() >= past; }, kLongestWait));
   const auto fired = ran(bench.fire(1, 0));
   const std::vector<nlohmann::json> expected = readouts(fired.out);
-  wait_until([&] { return readouts(live.out()).size() >= past + expected.size(); }, 8s);
+  wait_until([&] { return readouts(live.out()).size() >= past + expected.size(); }, kLongestWait);
   live.signal(SIGINT);
-  CHECK(live.wait(10s).has_value());
+  CHECK(live.wait(kLongestWait).has_value());
   CHECK_EQUAL(readout_lines(before.out) + readout_lines(fired.out), readout_lines(live.out()));
 }

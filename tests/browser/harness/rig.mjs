@@ -58,8 +58,10 @@ export class Rig {
     return rig;
   }
 
-  #host(words, { address = '127.0.0.1:0', more = [] }) {
-    return new Host([...words, '--rig', this.file, '--lcm-url', this.lcmUrl, '--web', address, ...more]);
+  /// In the rig's time, but for its server; `machineTime`: for measuring how long it takes.
+  #host(words, { address = '127.0.0.1:0', more = [], machineTime = false }, options = {}) {
+    const env = machineTime ? {} : { LD_PRELOAD: join(process.env.STROBE_BUILD_DIR, 'lib', 'libstrobe-gpiochip.so'), STROBE_GPIOCHIP_DIR: join(this.folder, 'chip') };
+    return new Host([...words, '--rig', this.file, '--lcm-url', this.lcmUrl, '--web', address, ...more], { ...options, env });
   }
 
   /// A series with the page.
@@ -74,8 +76,7 @@ export class Rig {
   /// Steps of commissioning, confirmed on the page or by nobody.
   commission(steps) {
     const only = steps.flatMap((step) => ['--only', step]);
-    return new Host(['commission', '--rig', this.file, '--lcm-url', this.lcmUrl, '--session', join(this.sessions, 'commissioning'),
-      '--web', '127.0.0.1:0', '--json', '--wait', '180', ...only], { console: true });
+    return this.#host(['commission', '--session', join(this.sessions, 'commissioning'), '--json', '--wait', '180', ...only], {}, { console: true });
   }
 
   /// From outside, as a person turns a key: "KEY=0".
