@@ -4,7 +4,6 @@
 #define TOML_ASSERT(expr) static_assert(true)
 #include <toml++/toml.h>
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -31,6 +30,7 @@ struct TomlReader::State {
   std::string file_name;
   toml::table document;
   std::optional<Error> first_error;
+  bool something_lacks = false;  ///< that error is of a key or table that is not there
   std::set<const toml::node*> asked;
   std::map<const toml::table*, std::vector<std::string>> known;  ///< keys that were asked for, there or not
 
@@ -40,8 +40,10 @@ struct TomlReader::State {
     return source.begin.line > 0 ? file + ":" + std::to_string(source.begin.line) : file;
   }
 
-  void report(const toml::source_region& source, const std::string& path, const std::string& what) {
+  void report(const toml::source_region& source, const std::string& path, const std::string& what,
+              bool lacks = false) {
     if (first_error) return;
+    something_lacks = lacks;
     first_error = Error{on_one_line(place(source) + ": " + (path.empty() ? "" : path + ": ") + what)};
   }
 };
@@ -64,7 +66,7 @@ struct TomlTable::Node {
   toml::source_region source() const { return table ? table->source() : toml::source_region{}; }
   std::uint32_t line() const { return source().begin.line; }
   void report(std::string_view key, const toml::node* node, const std::string& what) {
-    state->report(node ? node->source() : source(), path_of(key), what);
+    state->report(node ? node->source() : source(), path_of(key), what, node == nullptr);
   }
 };
 
@@ -268,12 +270,6 @@ void TomlTable::accept_all() const {
   if (node_->table) mark_all(*node_->table, node_->state->asked);
 }
 
-bool TomlTable::has_unread_keys() const {
-  return node_->table && std::ranges::any_of(*node_->table, [this](const auto& entry) {
-           return !node_->state->asked.contains(&entry.second);
-         });
-}
-
 void TomlTable::error_at(std::string_view key, const std::string& what) {
   node_->report(key, node_->table ? node_->table->get(key) : nullptr, what);
 }
@@ -311,7 +307,10 @@ void move_missing(toml::table& from, toml::table& to) {
 }  // namespace
 
 void TomlReader::inherit(TomlReader&& parent) {
-  if (!state_->first_error) state_->first_error = parent.state_->first_error;
+  if (!state_->first_error) {
+    state_->first_error = parent.state_->first_error;
+    state_->something_lacks = parent.state_->something_lacks;
+  }
   move_missing(parent.state_->document, state_->document);
 }
 
@@ -363,12 +362,12 @@ std::optional<Unasked> first_unasked(const toml::table& table, const std::set<co
 std::optional<Error> TomlReader::error_so_far() const { return state_->first_error; }
 
 std::optional<Error> TomlReader::error() const {
-  if (state_->first_error) return state_->first_error;
+  if (state_->first_error && !state_->something_lacks) return state_->first_error;
   if (auto found = first_unasked(state_->document, state_->asked, "")) {
     return Error{on_one_line(state_->place(found->source) + ": " + found->path + ": unknown key" +
                              did_you_mean(found->key, state_->known[found->table]))};
   }
-  return std::nullopt;
+  return state_->first_error;
 }
 
 }  // namespace strobe::config

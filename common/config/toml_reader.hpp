@@ -60,9 +60,6 @@ class TomlTable {
   /// Accepts everything in this table unread: keys for other programs.
   void accept_all() const;
 
-  /// Whether it has keys that were not read so far.
-  bool has_unread_keys() const;
-
   /// Reports an error of the caller's own at the key's line (or at the table's, if there is no such key).
   void error_at(std::string_view key, const std::string& what);
 
@@ -93,8 +90,9 @@ class TomlReader {
 
   TomlTable root();
 
-  /// The first error so far: syntax, a value out of range or of another type, a required key that is missing;
-  /// if there was none, the first key of the document that was not read. Call it last.
+  /// The first error so far: syntax, a value out of range or of another type. Then the first key of the
+  /// document that was not read, even where something is missing: it may be that, misspelt. Then what is
+  /// missing: a required key, or whatever error_at() says of a key that is not there. Call it last.
   std::optional<Error> error() const;
 
   /// The same without keys that were not read yet.

@@ -342,9 +342,9 @@ Correction read(TomlTable& table, Correction::Kind kind, const std::string& file
   }
   if (kind == Correction::Kind::remove) return correction;
   correction.measured = measurement(table);
-  if (kind == Correction::Kind::add && !correction.measured.centre && !table.has_unread_keys())
+  if (kind == Correction::Kind::add && !correction.measured.centre)
     table.error_at("", "centre_px (or centre_image_px) is missing");
-  if (kind == Correction::Kind::move && is_empty(correction.measured) && !table.has_unread_keys())
+  if (kind == Correction::Kind::move && is_empty(correction.measured))
     table.error_at("", "says nothing to change");
   return correction;
 }

@@ -78,9 +78,11 @@ TEST(TomlReading, DefaultsStandInForWhatIsAbsent) {
 
 TEST(TomlReading, AMissingKeyIsNamedWithItsTable) {
   TomlReader reader("[lamps]\npulse_us = 1\n", "rig.toml");
-  reader.root().table("lamps").number("delay_us");
+  TomlTable lamps = reader.root().table("lamps");
+  lamps.number("delay_us");
+  lamps.number("pulse_us");
   CHECK_EQUAL("rig.toml:1: lamps.delay_us: is missing", error_of(reader));
-  TomlReader absent("a = 1\n", "rig.toml");
+  TomlReader absent("", "rig.toml");
   absent.root().table("lamps").number("delay_us");
   STRCMP_CONTAINS("lamps.delay_us: is missing", error_of(absent).c_str());
 }
@@ -123,6 +125,20 @@ TEST(TomlReading, AKeyNobodyAskedForIsAnError) {
   TomlReader in_array("[[f]]\na = 1\n[[f]]\nb = 1\n", "f.toml");
   for (TomlTable& t : in_array.root().tables("f")) t.number_or("a", 0.0);
   CHECK_EQUAL("f.toml:4: f[2].b: unknown key", error_of(in_array));
+}
+
+TEST(TomlReading, AKeyNobodyAskedForComesBeforeWhatIsMissingAndAfterWhatIsWrong) {
+  const auto ask = [](const char* text) {
+    TomlReader reader(text, "f.toml");
+    TomlTable lamps = reader.root().table("lamps");
+    lamps.number("delay_us");
+    lamps.number_or("pulse_us", 1.0);
+    return error_of(reader);
+  };
+  CHECK_EQUAL("f.toml:3: lamps.delai_us: unknown key; did you mean delay_us?",
+              ask("[lamps]\npulse_us = 2\ndelai_us = 3\n"));
+  CHECK_EQUAL("f.toml:1: lamp: unknown key; did you mean lamps?", ask("[lamp]\ndelay_us = 3\n"));
+  CHECK_EQUAL("f.toml:2: lamps.delay_us: must be a number", ask("[lamps]\ndelay_us = \"3\"\npuls_us = 2\n"));
 }
 
 TEST(TomlReading, ASyntaxErrorIsSaidByLineAndComesFirst) {
