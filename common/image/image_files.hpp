@@ -23,6 +23,7 @@ inline constexpr std::int64_t kMaxPixels = 120'000'000;
 /// TIFF 6.0, the first picture: grey and RGB of 8 to 16 bits, in strips or tiles, planes together or apart,
 /// each compression that libtiff knows; whatever else libtiff turns into colours of 8 bits (palette, YCbCr,
 /// CMYK, 1 to 4 bits). Numbers of 9 to 15 bits are not scaled to 16. Turned as its tag Orientation says.
+/// Fails for a camera's RAW file, and where another page has more pixels: the first one is a thumbnail.
 Result<Raster> decode_tiff(Bytes bytes);
 
 /// PNG (W3C, 2nd edition) of every colour type and depth; 1, 2 and 4 bits and palettes become 8 bits.

@@ -110,13 +110,17 @@ OpenTiff open_tiff(TiffMemory& memory) {
       TIFFClientOpenExt("", mode, &memory, read, write, seek, close, size, map, unmap, options.get()));
 }
 
-/// What the first directory says of the pixels.
+/// What a directory says of its pixels.
 struct Directory {
-  std::uint32_t width = 0, height = 0;
+  std::uint32_t width = 0, height = 0, kind = 0;
   std::uint16_t bits = 1, samples = 1, meaning = PHOTOMETRIC_MINISBLACK;
   std::uint16_t planes = PLANARCONFIG_CONTIG, orientation = ORIENTATION_TOPLEFT;
   std::uint16_t format = SAMPLEFORMAT_UINT;
 
+  std::uint64_t pixels() const { return std::uint64_t{width} * height; }
+  bool is_reduced() const { return (kind & FILETYPE_REDUCEDIMAGE) != 0; }
+  /// As a sensor gives them: a mosaic of colours, or DNG's LinearRaw.
+  bool is_raw() const { return meaning == PHOTOMETRIC_CFA || meaning == 34892; }
   bool is_grey() const { return meaning == PHOTOMETRIC_MINISBLACK || meaning == PHOTOMETRIC_MINISWHITE; }
   bool apart() const { return planes == PLANARCONFIG_SEPARATE; }
   int channels() const { return is_grey() ? 1 : 3; }
@@ -132,6 +136,7 @@ Directory read_directory(TIFF* tiff) {
   Directory d;
   TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &d.width);
   TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &d.height);
+  TIFFGetField(tiff, TIFFTAG_SUBFILETYPE, &d.kind);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &d.bits);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &d.samples);
   TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &d.meaning);
@@ -139,6 +144,52 @@ Directory read_directory(TIFF* tiff) {
   TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &d.orientation);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &d.format);
   return d;
+}
+
+/// The file's pages, those below others (SubIFDs) last.
+std::vector<Directory> pages_of(TIFF* tiff) {
+  constexpr std::size_t kMaxPages = 32;  // no camera's file has more, a hostile one may have thousands
+  std::vector<Directory> pages;
+  std::vector<std::uint64_t> below;
+  do {
+    pages.push_back(read_directory(tiff));
+    std::uint16_t count = 0;
+    std::uint64_t* offsets = nullptr;
+    if (TIFFGetField(tiff, TIFFTAG_SUBIFD, &count, &offsets) != 0)
+      below.insert(below.end(), offsets, offsets + count);
+  } while (pages.size() < kMaxPages && TIFFReadDirectory(tiff) != 0);
+  for (std::size_t i = 0; i < below.size() && pages.size() < kMaxPages; ++i)
+    if (TIFFSetSubDirectory(tiff, below[i]) != 0) pages.push_back(read_directory(tiff));
+  return pages;
+}
+
+/// RAW files of many cameras are TIFF files whose first page is a thumbnail. Canon's first directory has
+/// nothing that tells, and follows a mark.
+bool is_camera_raw(TIFF* tiff, Bytes bytes, const std::vector<Directory>& pages) {
+  constexpr std::array<unsigned char, 8> kCanon{16, 0, 0, 0, 'C', 'R', 2, 0};
+  const void* version = nullptr;
+  return std::ranges::any_of(pages, &Directory::is_raw) ||
+         (bytes.size() >= 12 && std::ranges::equal(bytes.subspan(4, 8), kCanon)) ||
+         (TIFFSetDirectory(tiff, 0) != 0 && TIFFGetField(tiff, TIFFTAG_DNGVERSION, &version) != 0);
+}
+
+/// Fails where the first page is not the photograph.
+Result<void> check_pages(Bytes bytes) {
+  TiffMemory memory{.bytes = bytes, .written = nullptr, .at = 0};
+  const OpenTiff tiff = open_tiff(memory);
+  if (!tiff) return {};
+  const std::vector<Directory> pages = pages_of(tiff.get());
+  constexpr const char* kConvert = "dcraw_emu -4 -T -t 0 -o 0 FILE";
+  if (is_camera_raw(tiff.get(), bytes, pages))
+    return fail(fmt::format("it is a camera's RAW file: convert it to a linear TIFF ({})", kConvert));
+  const Directory& first = pages.front();
+  for (const Directory& other : pages)
+    if (other.pixels() > first.pixels() || (first.is_reduced() && !other.is_reduced()))
+      return fail(
+          fmt::format("the first page of the TIFF, {} x {} pixels, is a thumbnail of another of {} x {}: "
+                      "save that one alone, or convert a camera's RAW file ({})",
+                      first.width, first.height, other.width, other.height, kConvert));
+  return {};
 }
 
 /// A strip or tile.
@@ -367,6 +418,7 @@ Result<Raster> decode_tiff(Bytes bytes) {
   if (!tiff) return damaged("TIFF", memory.words);
   const Directory d = read_directory(tiff.get());
   if (auto checked = check_size("TIFF", d.width, d.height); !checked) return tl::unexpected(checked.error());
+  if (auto checked = check_pages(bytes); !checked) return tl::unexpected(checked.error());
   if (d.format != SAMPLEFORMAT_UINT || d.bits > 16)
     return fail(fmt::format("the TIFF's pixels are {} of {} bits: 1 to 16 bits unsigned are read",
                             d.format == SAMPLEFORMAT_UINT ? "numbers" : "signed or floating-point numbers",
