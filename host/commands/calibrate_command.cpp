@@ -1,5 +1,6 @@
 // strobe calibrate: photographs of a printed board to the calibration file that the rig file names.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -56,31 +57,53 @@ camera::BoardPattern pattern_of(const CalibrateOptions& options) {
 
 struct Boards {
   std::vector<camera::BoardView> views;
+  std::vector<std::string> left_out;  ///< "slanted_3.tif: why it is of no use"
   int width_px = 0;
   int height_px = 0;
 };
 
+/// Fails with "IMAGE: what".
+Result<camera::BoardView> find_view(const std::string& image, const camera::BoardPattern& pattern,
+                                    Boards& boards) {
+  const auto photograph = digitize::load_photograph(image);
+  if (!photograph) return tl::unexpected(photograph.error());
+  if (boards.views.empty()) {
+    boards.width_px = photograph->width();
+    boards.height_px = photograph->height();
+  } else if (photograph->width() != boards.width_px || photograph->height() != boards.height_px) {
+    return fail(fmt::format("{}: {} x {} pixels, but the first photograph has {} x {}", image,
+                            photograph->width(), photograph->height(), boards.width_px, boards.height_px));
+  }
+  return camera::find_board(*photograph, pattern);
+}
+
+/// The first photograph is the scale; without any of the slanted ones that were given the lens' place would
+/// be lost unasked.
 Result<Boards> find_boards(const CalibrateOptions& options) {
   Boards boards;
-  for (std::size_t i = 0; i < options.images.size(); ++i) {
-    if (options.images.size() > 1) {
-      std::fprintf(stderr, "strobe: calibrate: %zu of %zu: %s\n", i + 1, options.images.size(),
-                   options.images[i].c_str());
+  const std::size_t given = options.images.size();
+  for (std::size_t i = 0; i < given; ++i) {
+    if (given > 1)
+      std::fprintf(stderr, "strobe: calibrate: %zu of %zu: %s\n", i + 1, given, options.images[i].c_str());
+    auto view = find_view(options.images[i], pattern_of(options), boards);
+    if (view) {
+      boards.views.push_back(std::move(*view));
+    } else if (i > 0) {
+      std::fprintf(stderr, "strobe: calibrate: left out: %s\n", view.error().message.c_str());
+      boards.left_out.push_back(view.error().message);
+    } else {
+      return fail(view.error().message +
+                  (given > 1 ? "; the first photograph gives the scale in the balls' plane: none of the "
+                               "others can stand in for it"
+                             : ""));
     }
-    const auto photograph = digitize::load_photograph(options.images[i]);
-    if (!photograph) return tl::unexpected(photograph.error());
-    if (i == 0) {
-      boards.width_px = photograph->width();
-      boards.height_px = photograph->height();
-    } else if (photograph->width() != boards.width_px || photograph->height() != boards.height_px) {
-      return fail(fmt::format("{}: {} x {} pixels, but {} has {} x {}", options.images[i],
-                              photograph->width(), photograph->height(), options.images[0], boards.width_px,
-                              boards.height_px));
-    }
-    auto view = camera::find_board(*photograph, pattern_of(options));
-    if (!view) return tl::unexpected(view.error());
-    boards.views.push_back(std::move(*view));
   }
+  if (given > 1 && boards.views.size() == 1)
+    return fail(
+        fmt::format("of {} photographs only the first, {}, is of use, and at least one slanted one is "
+                    "needed to tell where the lens is: take them again, or give the first alone, with "
+                    "--lens-distance-m",
+                    given, options.images[0]));
   return boards;
 }
 
@@ -90,7 +113,8 @@ CameraTable table_of(const CalibrateOptions& options, const camera::Calibration&
   CameraTable table;
   table.calibrated = options.date.empty() ? date_of(std::chrono::system_clock::now()) : options.date;
   table.board = camera::describe(pattern_of(options));
-  table.photographs = static_cast<int>(options.images.size());
+  table.photographs = static_cast<int>(found.fit.homographies.size());
+  if (!boards.left_out.empty()) table.left_out = fmt::format("{}", fmt::join(boards.left_out, "; "));
   table.residual_px = found.fit.rms_px;
   table.width_px = boards.width_px;
   table.height_px = boards.height_px;
@@ -116,7 +140,8 @@ CameraTable table_of(const CalibrateOptions& options, const camera::Calibration&
 
 using nlohmann::ordered_json;
 
-void print_json(const CalibrateOptions& options, const CameraTable& table, const camera::Calibration& found) {
+void print_json(const CalibrateOptions& options, const Boards& boards, const CameraTable& table,
+                const camera::Calibration& found) {
   ordered_json out;
   out["px_per_m"] = *table.px_per_m;
   out["px_per_m_sd"] = found.px_per_m_sd();
@@ -139,6 +164,8 @@ void print_json(const CalibrateOptions& options, const CameraTable& table, const
     out["lens_distance_sd_m"] = found.place->distance_sd_px / found.px_per_m;
   }
   out["calibrated"] = *table.calibrated;
+  out["photographs"] = *table.photographs;
+  out["left_out"] = boards.left_out;
   out["remarks"] = found.remarks;
   out["too_poor"] = messages::or_null(found.too_poor);
   out["inputs"] = {{"images", options.images},
@@ -167,8 +194,8 @@ void print_text(const CameraTable& table, const camera::Calibration& found) {
                found.place->viewpoint.distance_px / found.px_per_m,
                found.place->distance_sd_px / found.px_per_m, *table.tilt_deg);
   }
-  fmt::print("board          {}, over {:.0f} % of the photograph\n", *table.board,
-             100.0 * found.covered_share);
+  fmt::print("board          {}, over {:.0f} % of the photograph; {} photograph{}\n", *table.board,
+             100.0 * found.covered_share, *table.photographs, *table.photographs == 1 ? "" : "s");
 }
 
 /// Where the calibration goes: beside the rig file, as that says.
@@ -210,11 +237,17 @@ int run_calibrate(const CalibrateOptions& options) {
     if (const auto done = config::write_file(path.string(), calibration_text(table)); !done)
       return bad_input("calibrate: " + done.error().message);
   }
-  options.json ? print_json(options, table, *found) : print_text(table, *found);
+  options.json ? print_json(options, *boards, table, *found) : print_text(table, *found);
   for (const std::string& remark : found->remarks) {
     std::fprintf(stderr, "strobe: calibrate: note: %s\n", remark.c_str());
   }
-  return found->too_poor ? failed("calibrate: refused, no file was written: " + *found->too_poor) : kDone;
+  if (found->too_poor) return failed("calibrate: refused, no file was written: " + *found->too_poor);
+  if (path.empty() && !options.dry)
+    std::fputs(
+        "strobe: calibrate: no file was written: --rig RIG.toml writes the one that its "
+        "camera.calibration names\n",
+        stderr);
+  return kDone;
 }
 
 }  // namespace

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <glib.h>
 
 #include <Eigen/Dense>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -144,6 +146,7 @@ void read_calibration(TomlTable& table, CameraTable& camera) {
   }
   camera.board = optional_text(table, "board");
   camera.photographs = optional_count(table, "photographs", {1, 1000});
+  camera.left_out = optional_text(table, "left_out");
   camera.residual_px = table.optional_number("residual_px", {0.0, 1e6});
   camera.tilt_deg = table.optional_number("tilt_deg", {0.0, 90.0});
 }
@@ -153,8 +156,17 @@ std::string line(std::string_view key, const std::optional<Value>& value, std::s
   return value ? fmt::format("{} = {}{}\n", key, *value, remark) : "";
 }
 
+/// A file's name may hold any bytes.
 std::optional<std::string> quoted(const std::optional<std::string>& text) {
-  return text ? std::optional("\"" + *text + "\"") : std::nullopt;
+  if (!text) return std::nullopt;
+  const std::unique_ptr<char, decltype(&g_free)> valid(
+      g_utf8_make_valid(text->data(), static_cast<gssize>(text->size())), g_free);
+  std::string escaped;
+  for (const char c : std::string_view(valid.get())) {
+    if (c == '"' || c == '\\') escaped += '\\';
+    escaped += static_cast<unsigned char>(c) < ' ' || c == 0x7f ? ' ' : c;
+  }
+  return "\"" + escaped + "\"";
 }
 
 }  // namespace
@@ -188,10 +200,10 @@ Result<CameraTable> with_calibration(const CameraTable& camera, std::string_view
 std::string calibration_text(const CameraTable& camera) {
   std::string text = "# Written by strobe calibrate; its next run replaces this file.\n";
   text += line("calibrated", quoted(camera.calibrated)) + line("board", quoted(camera.board)) +
-          line("photographs", camera.photographs) + line("residual_px", camera.residual_px) +
-          line("tilt_deg", camera.tilt_deg) + line("width_px", camera.width_px) +
-          line("height_px", camera.height_px) + line("px_per_m", camera.px_per_m) +
-          line("px_per_m_sd", camera.px_per_m_sd);
+          line("photographs", camera.photographs) + line("left_out", quoted(camera.left_out)) +
+          line("residual_px", camera.residual_px) + line("tilt_deg", camera.tilt_deg) +
+          line("width_px", camera.width_px) + line("height_px", camera.height_px) +
+          line("px_per_m", camera.px_per_m) + line("px_per_m_sd", camera.px_per_m_sd);
   if (const auto& map = camera.map) {
     text +=
         line("lens_centre_px", std::optional(map->lens_centre_px)) +

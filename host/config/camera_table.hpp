@@ -56,7 +56,8 @@ struct CameraTable {
 
   std::optional<std::string> calibrated;  ///< the day, "2026-11-21"
   std::optional<std::string> board;       ///< for a person
-  std::optional<int> photographs;         ///< of the board
+  std::optional<int> photographs;         ///< of the board, as used
+  std::optional<std::string> left_out;    ///< those that were of no use, and why; for a person
   std::optional<double> residual_px;      ///< rms of the board's points about the fit
   std::optional<double> tilt_deg;         ///< of the optical axis against the plane's normal
 };

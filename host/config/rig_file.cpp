@@ -162,7 +162,9 @@ Result<RigFile> load_rig(const std::string& path) {
   if (!rig->camera.calibration) return rig;
   const std::string name = (beside / *rig->camera.calibration).string();
   const auto calibration = read_file(name);
-  if (!calibration) return tl::unexpected(calibration.error());
+  if (!calibration)
+    return fail(fmt::format("{}: camera.calibration: {} (strobe calibrate --rig {} writes it)", file,
+                            calibration.error().message, file));
   const auto calibrated = with_calibration(rig->camera, *calibration, name);
   if (!calibrated) return tl::unexpected(calibrated.error());
   rig->calibration_text = *calibration;

@@ -36,6 +36,9 @@ CameraTable measured() {
   return table;
 }
 
+const camera::BoardPattern kPattern{camera::BoardKind::chessboard, 7, 5, 0.02};
+const testing::Pinhole kPinhole{400, 300, 1600.0, -0.2, 0.0, {199.5, 149.5}};
+
 const char* const kRig = "rig = \"b\"\n[camera]\npx_per_m = 7\ncalibration = \"camera.toml\"\n";
 
 }  // namespace
@@ -76,6 +79,7 @@ TEST(Calibration, NamesTheFileInWhatIsWrong) {
 
 TEST_GROUP(CalibrateCommand) {
   testing::TemporaryFolder folder;
+  std::mt19937_64 random{3};
 
   int run(std::vector<std::string> arguments) {
     CLI::App app;
@@ -90,16 +94,34 @@ TEST_GROUP(CalibrateCommand) {
   std::string in(const std::string& name) const { return (folder / name).string(); }
 
   void write(const std::string& name, const std::string& text) { testing::write_text(folder / name, text); }
+
+  /// The board of kPattern a metre away, turned so.
+  void photograph_board(const std::string& name, cv::Vec3d turns_rad) {
+    cv::Mat numbers;
+    testing::photograph(kPinhole, testing::pose(kPattern, 1.0, turns_rad), kPattern, 0.005, random)
+        .convertTo(numbers, CV_16U, 65535.0);
+    strobe::testing::write_picture(in(name), numbers);
+  }
+
+  /// The calibration file, if `images` give one.
+  std::string calibrated(const std::vector<std::string>& images, int exit_status = host::kDone) {
+    std::filesystem::remove(folder / "camera.toml");
+    std::vector<std::string> arguments;
+    for (const std::string& image : images) arguments.push_back(in(image));
+    arguments.insert(arguments.end(),
+                     {"--rig", in("rig.toml"), "--columns", "7", "--rows", "5", "--spacing-mm", "20", "--date",
+                      "2026-11-20", "--tolerance-percent", "1"});
+    LONGS_EQUAL(exit_status, run(arguments));
+    const bool written = std::filesystem::exists(folder / "camera.toml");
+    CHECK_EQUAL(exit_status == host::kDone, written);
+    return written ? testing::read_text(folder / "camera.toml") : "";
+  }
 };
 
 TEST(CalibrateCommand, FromAPhotographToTheDigitizersMap) {
-  const camera::BoardPattern pattern{camera::BoardKind::chessboard, 7, 5, 0.02};
-  const testing::Pinhole pinhole{400, 300, 1600.0, -0.2, 0.0, {199.5, 149.5}};
-  const testing::Pose pose = testing::pose(pattern, 1.0, {0.02, 0.03, 0.01});
-  std::mt19937_64 random(3);
-  cv::Mat bytes;
-  testing::photograph(pinhole, pose, pattern, 0.005, random).convertTo(bytes, CV_16U, 65535.0);
-  strobe::testing::write_picture(in("plane.png"), bytes);
+  const cv::Vec3d turns_rad{0.02, 0.03, 0.01};
+  const testing::Pose pose = testing::pose(kPattern, 1.0, turns_rad);
+  photograph_board("plane.png", turns_rad);
   write("rig.toml", kRig);
   std::vector<std::string> arguments{
       in("plane.png"), "--rig",     in("rig.toml"), "--columns", "7",
@@ -118,14 +140,51 @@ TEST(CalibrateCommand, FromAPhotographToTheDigitizersMap) {
   STRCMP_EQUAL(kRig, testing::read_text(folder / "rig.toml").c_str());
   const auto settings = host::digitize_settings(*rig, 400, 300);
   CHECK_TRUE(settings->map.viewpoint().has_value() && settings->surface.has_value());
-  const cv::Point2d a = settings->map.to_plane(pinhole.project(pose.to_camera({0.0, 0.0})));
-  const cv::Point2d b = settings->map.to_plane(pinhole.project(pose.to_camera({0.12, 0.08})));
+  const cv::Point2d a = settings->map.to_plane(kPinhole.project(pose.to_camera({0.0, 0.0})));
+  const cv::Point2d b = settings->map.to_plane(kPinhole.project(pose.to_camera({0.12, 0.08})));
   // 35 corners, each some hundredths of a pixel off over 230 px; the board's print and place are exact here.
   DOUBLES_EQUAL(std::hypot(0.12, 0.08), cv::norm(b - a) / *settings->px_per_m, 5e-4 * 0.144);
 }
 
+TEST(CalibrateCommand, LeavesOutPhotographsThatShowNoBoardAndSaysWhich) {
+  write("rig.toml", kRig);
+  photograph_board("plane.png", {0.0, 0.0, 0.01});
+  photograph_board("left.png", {0.0, 0.4, 0.0});
+  photograph_board("down.png", {0.4, 0.0, 0.0});
+  strobe::testing::write_picture(in("\"hand\".png"), cv::Mat(300, 400, CV_8UC1, cv::Scalar(90)));
+  strobe::testing::write_picture(in("small.png"), cv::Mat(120, 160, CV_8UC1, cv::Scalar(90)));
+  write("text.png", "no picture");
+
+  const std::string good = calibrated({"plane.png", "left.png", "down.png"});
+  const std::string found =
+      calibrated({"plane.png", "\"hand\".png", "left.png", "small.png", "down.png", "text.png", "none.png"});
+  const auto rig = host::load_rig(in("rig.toml"));
+  CHECK_TRUE_TEXT(rig.has_value(), rig ? "" : rig.error().message.c_str());
+  LONGS_EQUAL(3, *rig->camera.photographs);
+  const std::string left_out = *rig->camera.left_out;
+  for (const char* const why :
+       {"\"hand\".png: no chessboard 7 x 5, 20 mm is seen as a whole; ",
+        "small.png: 160 x 120 pixels, but the first photograph has 400 x 300; ",
+        "text.png: it is no picture of a kind that is read (TIFF, PNG, JPEG); ", "none.png: No such file"})
+    STRCMP_CONTAINS(why, left_out.c_str());
+  // All else is what the three that show the board give without them.
+  const std::size_t line = found.find("left_out = "), end = found.find('\n', line) + 1;
+  CHECK_EQUAL(good, found.substr(0, line) + found.substr(end));
+}
+
+TEST(CalibrateCommand, RefusesWithoutTheBoardInThePlaneAndWithNoneOfTheSlantedOnes) {
+  write("rig.toml", kRig);
+  photograph_board("plane.png", {0.0, 0.0, 0.01});
+  photograph_board("left.png", {0.0, 0.4, 0.0});
+  strobe::testing::write_picture(in("hand.png"), cv::Mat(300, 400, CV_8UC1, cv::Scalar(90)));
+  calibrated({"hand.png", "plane.png", "left.png"}, host::kBadInput);
+  calibrated({"plane.png", "hand.png", "hand.png"}, host::kBadInput);
+  CHECK(!calibrated({"plane.png", "hand.png", "left.png"}).empty());
+}
+
 TEST(CalibrateCommand, SaysWhatIsWrongAndLeavesTheCalibrationAlone) {
   write("rig.toml", kRig);
+  STRCMP_CONTAINS("rig.toml: camera.calibration: ", host::load_rig(in("rig.toml")).error().message.c_str());
   STRCMP_CONTAINS("camera.toml: No such file", host::load_rig(in("rig.toml")).error().message.c_str());
   write("camera.toml", "px_per_m = 5\n");
   write("unnamed.toml", "rig = \"b\"\n");
