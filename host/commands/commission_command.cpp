@@ -20,6 +20,7 @@ struct CommissionOptions {
   CommissionRequest request;  ///< what is taken as it is given
   std::vector<std::string> only, skip;
   bool list = false;
+  int times = 1;
 };
 
 Result<void> check_step(const char* option, const std::string& id) {
@@ -33,6 +34,7 @@ Result<CommissionRequest> request_of(const CommissionOptions& options) {
   auto rig = load_rig(request.paths.rig_path);
   if (!rig) return tl::unexpected(rig.error());
   request.rig = std::move(*rig);
+  request.rig.commission.times = options.times;
   const auto key = lab_key(request.paths, request.rig);
   if (!key) return tl::unexpected(key.error());
   request.key = *key;
@@ -64,11 +66,11 @@ int list_steps(const CommissionRequest& request) {
       commission::standing(*record, commission::all_infos(), request.rig, MachineClock().read().wall);
   for (const auto& line : stands.lines) {
     std::string state =
-        line.step == nullptr ? "to do" : std::string(commission::name(line.step->result.state));
+        line.step == nullptr ? "to do" : std::string(commission::in_words(line.step->result.state));
     std::string when = line.step == nullptr ? "" : line.step->utc.substr(0, 10);
     if (line.changed) when += ", before the rig file's change";
     if (line.old) when += ", too old";
-    fmt::print("{:<15} {:<38} {:<8} {}\n", line.info.id, line.info.title, state, when);
+    fmt::print("{:<15} {:<38} {:<14} {}\n", line.info.id, line.info.title, state, when);
   }
   return kDone;
 }
@@ -93,6 +95,11 @@ void add_options(CLI::App& command, CommissionOptions& options) {
   command.add_option("--from", request.from, "do this step and all after it, also if they have passed");
   command.add_option("--skip", options.skip, "leave a step out: STEP=REASON, any number of times")
       ->take_all();
+  command
+      .add_option(
+          "--times", options.times,
+          "so many times as many flashes, drops and balls: for what was not told apart from its limit")
+      ->check(CLI::Range(1, 20));
   command.add_option("--wait", request.wait_s, "seconds for each thing that you are to do (default 60)")
       ->check(CLI::Range(0.1, 1e6));
   command.add_flag("--yes", request.yes,
@@ -112,7 +119,8 @@ void add_commission_command(CLI::App& app, int& exit_status) {
   add_options(*command, *options);
   command_line::for_experts(*command, {"--effort", "--lcm-url", "--key-file", "--sessions"});
   command->footer(
-      "Each step says what will move before it moves, waits for your yes, and passes or fails with a number. "
+      "Each step says what will move before it moves, waits for your yes, and passes or fails with a number: "
+      "passed where value ± 2 sd is within the limits, failed where it is beyond one, else not told apart. "
       "Ctrl-C disarms and keeps what is done; run again, it goes on where it stopped. The page of --web "
       "shows it all, and takes confirmations of what moves nothing. A step is done again when its part of "
       "the rig file has changed.\n"

@@ -49,11 +49,11 @@ const char* answers_of(const Prompt& prompt) {
   return "";
 }
 
-/// "passed  lamp_a  lamp A flashes 12.1 ± 0.1 us after its pulse (rig file: 12.0)"
+/// "passed         lamp_a          lamp A flashes 12.1 ± 0.1 us after its pulse (rig file: 12.0)"
 std::string result_line(const StepResult& result) {
   const std::string line =
-      fmt::format("{:<8} {:<15} {}", commission::name(result.state), result.id, result.words);
-  return result.advice.empty() ? line : fmt::format("{}\n{:25}{}", line, "", result.advice);
+      fmt::format("{:<14} {:<15} {}", commission::in_words(result.state), result.id, result.words);
+  return result.advice.empty() ? line : fmt::format("{}\n{:31}{}", line, "", result.advice);
 }
 
 /// What a person at the console sees and says. Never waits.
@@ -126,7 +126,8 @@ std::string current_step(const Commissioning& commissioning) {
   for (const StepView& view : commissioning.views())
     if (view.state == StepState::running || view.state == StepState::waiting) return view.info.id;
   for (const StepView& view : commissioning.views())
-    if (view.state == StepState::failed && commissioning.prompt()) return view.info.id;
+    if ((view.state == StepState::failed || view.state == StepState::not_told) && commissioning.prompt())
+      return view.info.id;
   return "";
 }
 
@@ -273,18 +274,20 @@ commission::CommissioningSettings settings_of(const CommissionRequest& request, 
 
 int conclude(const CommissionRequest& request, const Commissioning& commissioning,
              const std::string& problem) {
-  int passed = 0, failures = 0, skipped = 0, open = 0;
+  int passed = 0, failures = 0, not_told = 0, skipped = 0, open = 0;
   for (const StepView& view : commissioning.views()) {
     passed += view.state == StepState::passed;
     failures += view.state == StepState::failed;
+    not_told += view.state == StepState::not_told;
     skipped += view.state == StepState::skipped;
     open += !commission::over(view.state);
   }
-  const std::string summary = fmt::format("{} steps passed, {} failed, {} left out, {} to do; record in {}",
-                                          passed, failures, skipped, open, request.record_path);
+  const std::string summary = fmt::format(
+      "{} steps passed, {} failed, {} not told apart from a limit, {} left out, {} to do; record in {}",
+      passed, failures, not_told, skipped, open, request.record_path);
   if (!problem.empty()) return failed(summary + ": " + problem);
   const bool aborted = commissioning.stopped();
-  if (failures == 0 && !aborted && (open == 0 || !request.only.empty())) {
+  if (failures == 0 && not_told == 0 && !aborted && (open == 0 || !request.only.empty())) {
     std::fprintf(stderr, "strobe: %s\n", summary.c_str());
     return kDone;
   }

@@ -17,9 +17,7 @@
 namespace strobe::commission {
 namespace {
 
-/// Of a sound rig a mean is beyond its margin, and an sd below its bound, once in 10,000 times: as a
-/// probability, and as the normal deviate that is exceeded so often.
-constexpr double kMeanProbability = 0.9999, kOnceInTenThousand = 3.72;
+int balls(const host::RigFile& rig) { return rig.commission.balls * rig.commission.times; }
 
 int counted(std::span<const BallShot> shots) {
   return static_cast<int>(std::ranges::count_if(shots, [](const BallShot& s) { return !s.rejected; }));
@@ -103,7 +101,7 @@ class BallStep final : public ShotStep {
     return fmt::format(
         "{} BALLS ARE THROWN, with lamps and shutter. Slowest speed; feed the machine, clear the lane, "
         "nobody in front of it; key on, e-stop released.",
-        rig.commission.balls);
+        balls(rig));
   }
 
   void begin(const Situation& situation) override {
@@ -123,7 +121,7 @@ class BallStep final : public ShotStep {
     fire.plan.dry = false;
     fire.words = "a ball is thrown";
     fire.photograph = true;
-    return std::vector<Fire>(static_cast<std::size_t>(rig.commission.balls), fire);
+    return std::vector<Fire>(static_cast<std::size_t>(balls(rig)), fire);
   }
   StepResult left_out(const std::string&) const override {
     return skipped("no balls were measured", "let step throws pass first");
@@ -272,20 +270,21 @@ StepResult judge_noise(std::span<const BallShot> shots) {
     return failed("no_residuals", "too few balls were measured to tell their noise",
                   "let step throws and flashes pass first");
   const double ratio = std::sqrt(chi_squared / freedom);
-  // A root of chi squared over nu scatters by 1/sqrt(2 nu): for 200 degrees of freedom by 5 %. Stated sds are
-  // themselves good to a third (host/digitize/README.md). The equators are not judged: a line that is drawn a
-  // degree off the equator lies further off than any noise, alike in all images of a leg.
-  const double limit = 1.35 + kCertain_sd / std::sqrt(2.0 * freedom);
-  StepResult result = passed(ratio, 1.0 / std::sqrt(2.0 * freedom), "", fmt::format("at most {:.2f}", limit));
+  // A root of chi squared over nu scatters by 1/sqrt(2 nu) of it: for 200 degrees of freedom by 5 %. Stated
+  // sds are themselves good to a third (host/digitize/README.md). The equators are not judged: a line that is
+  // drawn a degree off the equator lies further off than any noise, alike in all images of a leg.
+  constexpr double kMaxRatio = 1.35;
+  const double sd = ratio / std::sqrt(2.0 * freedom);
+  StepResult result = passed(ratio, sd, "", fmt::format("at most {:.2f}", kMaxRatio));
   result.words = fmt::format(
       "centres lie {:.2f} times as far off their flights as they state; {:.0f} degrees of freedom", ratio,
       freedom);
-  result.figures = {{"residual_ratio", ratio, 1.0 / std::sqrt(2.0 * freedom), 1.0, static_cast<int>(freedom)},
+  result.figures = {{"residual_ratio", ratio, sd, 1.0, static_cast<int>(freedom)},
                     {"equator_ratio", equators.mean(), {}, 1.0, equators.count()}};
-  if (ratio > limit)
-    mark_failed(result, "noisy",
-                "something moves that should not (camera, plate, lamps that light from two places), or the "
-                "lens is not calibrated");
+  hold(
+      result, interval(ratio, sd), {.most = kMaxRatio}, "noisy",
+      "something moves that should not (camera, plate, lamps that light from two places), or the lens is not "
+      "calibrated");
   return result;
 }
 
@@ -307,11 +306,10 @@ StepResult judge_repeatability(std::span<const BallShot> shots, std::optional<do
   constexpr double kLag_ms = 10.0, kLagSd_ms = 15.0, kSpeedSd = 0.05;
   const double spot_limit_mm = 1e3 * 0.1 * view_width_m;
   const double stated_ms = 1e3 * stated_lag_s.value_or(1e-3 * lag.mean());
-  const double limit = kLag_ms + lag.mean_margin(kMeanProbability);
   StepResult result =
       passed(lag.mean(), lag.mean_sd(), "ms",
              fmt::format("{:.0f} ± {:.0f} ms; spread of lag {:.0f} ms, spot {:.0f} mm, speed {:.0f} %",
-                         stated_ms, limit, kLagSd_ms, spot_limit_mm, 100.0 * kSpeedSd));
+                         stated_ms, kLag_ms, kLagSd_ms, spot_limit_mm, 100.0 * kSpeedSd));
   result.words = fmt::format(
       "balls come {:.1f} ± {:.1f} ms after the trigger; from ball to ball lag {:.1f} ms, spot {:.1f} mm, "
       "speed {:.2f} m/s of {:.2f}",
@@ -321,16 +319,14 @@ StepResult judge_repeatability(std::span<const BallShot> shots, std::optional<do
                     {"spot_sd_mm", spot.sd(), {}, {}, spot.count()},
                     {"speed_mps", speed.mean(), speed.mean_sd(), {}, speed.count()},
                     {"speed_sd_mps", speed.sd(), {}, {}, speed.count()}};
-  if (std::abs(lag.mean() - stated_ms) > limit)
-    mark_failed(result, "machine_lag_off",
-                fmt::format("write lag_ms = {:.0f} into [machine] and start strobed anew", lag.mean()));
-  else if (lag.sd_lower_bound(kOnceInTenThousand) > kLagSd_ms)
-    mark_failed(result, "lag_spread",
-                "the machine's trigger varies: use the gate (train = \"gated\"), or look at its relay");
-  else if (spot.sd_lower_bound(kOnceInTenThousand) > spot_limit_mm ||
-           speed.sd_lower_bound(kOnceInTenThousand) > kSpeedSd * speed.mean())
-    mark_failed(result, "machine_spread",
-                "the machine scatters more than a series can average: warm it up, look at wheels and balls");
+  hold(result, lag.mean_interval(), within(kLag_ms, stated_ms), "machine_lag_off",
+       fmt::format("write lag_ms = {:.0f} into [machine] and start strobed anew", lag.mean()));
+  hold(result, lag.sd_interval(), {.most = kLagSd_ms}, "lag_spread",
+       "the machine's trigger varies: use the gate (train = \"gated\"), or look at its relay");
+  for (const auto& [spread, most] : {std::pair{spot.sd_interval(), spot_limit_mm},
+                                     std::pair{speed.sd_interval(), kSpeedSd * speed.mean()}})
+    hold(result, spread, {.most = most}, "machine_spread",
+         "the machine scatters more than a series can average: warm it up, look at wheels and balls");
   return result;
 }
 

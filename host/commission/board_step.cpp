@@ -112,6 +112,8 @@ Result<BoardCheck> check_board(std::span<const BoardView> views, int width_px, i
   check.views = static_cast<int>(views.size());
   check.covered = covered_share(views, width_px, height_px);
   check.residual_px = found->fit.sigma_px;
+  const double freedom = 2.0 * found->fit.points - static_cast<double>(found->fit.parameters.size());
+  check.residual_sd_px = check.residual_px / std::sqrt(2.0 * std::max(1.0, freedom));
   const auto [terms, covariance] =
       fit_plane(spacings_of(views.front(), width_px, height_px, map, px_per_m), 0.0);
   check.scale_off = std::expm1(terms[0]);
@@ -122,9 +124,6 @@ Result<BoardCheck> check_board(std::span<const BoardView> views, int width_px, i
 }
 
 StepResult judge_board(const BoardCheck& check) {
-  const auto beyond = [](double value, double sd, double limit) {
-    return std::abs(value) > std::max(limit, kCertain_sd * sd);
-  };
   StepResult result = passed(
       100.0 * check.scale_off, 100.0 * check.scale_sd, "%",
       fmt::format("scale within {:.1f} %, slope within {:.1f} %, residuals below {:.1f} px, {:.0f} % of the "
@@ -138,22 +137,21 @@ StepResult judge_board(const BoardCheck& check) {
   result.figures = {{"scale_off_percent", 100.0 * check.scale_off, 100.0 * check.scale_sd, 0.0, check.views},
                     {"across_percent", 100.0 * check.across, 100.0 * check.across_sd, 0.0, check.views},
                     {"upwards_percent", 100.0 * check.upwards, 100.0 * check.upwards_sd, 0.0, check.views},
-                    {"residual_px", check.residual_px, {}, {}, check.views},
+                    {"residual_px", check.residual_px, check.residual_sd_px, {}, check.views},
                     {"covered_percent", 100.0 * check.covered, {}, {}, check.views}};
-  if (check.residual_px > kMaxBoardResidual_px)
-    mark_failed(
-        result, "board_unclear",
-        "focus, light the board evenly, see that it is flat and that spacing and corners are as stated");
-  else if (check.covered < kMinCovered)
-    mark_failed(result, "board_too_small",
-                "photograph the board in more places, to the corners of the view, or print a larger one");
-  else if (beyond(check.scale_off, check.scale_sd, kMaxBoardScale))
-    mark_failed(result, "scale_off", "calibrate again: strobe calibrate with these photographs and --rig");
-  else if (beyond(check.across, check.across_sd, kMaxSlope) ||
-           beyond(check.upwards, check.upwards_sd, kMaxSlope))
-    mark_failed(
-        result, "camera_tilted",
-        "the camera has moved since its calibration: strobe calibrate with these photographs and --rig");
+  const char* const tell = "photograph the board again, in more places";
+  hold(result, interval(check.residual_px, check.residual_sd_px), {.most = kMaxBoardResidual_px},
+       "board_unclear",
+       "focus, light the board evenly, see that it is flat and that spacing and corners are as stated", tell);
+  hold(result, interval(check.covered, 0.0), {.least = kMinCovered}, "board_too_small",
+       "photograph the board in more places, to the corners of the view, or print a larger one");
+  hold(result, interval(check.scale_off, check.scale_sd), within(kMaxBoardScale), "scale_off",
+       "calibrate again: strobe calibrate with these photographs and --rig", tell);
+  for (const Interval& slope :
+       {interval(check.across, check.across_sd), interval(check.upwards, check.upwards_sd)})
+    hold(result, slope, within(kMaxSlope), "camera_tilted",
+         "the camera has moved since its calibration: strobe calibrate with these photographs and --rig",
+         tell);
   return result;
 }
 

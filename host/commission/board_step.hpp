@@ -20,6 +20,7 @@ struct BoardCheck {
   int views = 0;
   double covered = 0.0;      ///< see covered_share()
   double residual_px = 0.0;  ///< of one coordinate of a point, about the board's own fit
+  double residual_sd_px = 0.0;
   /// Of the rig file's scale, by the board in the plane where balls fly: 0.01 where it has 1 % too many px a
   /// metre, and its change over the photograph's width and height.
   double scale_off = 0.0, scale_sd = 0.0;

@@ -243,21 +243,22 @@ class DropStep final : public ShotStep {
                   {"inclination", "the plate's inclination by dropped balls", {"camera", "analysis"}}},
                  {.operator_acts = true, .outputs = true, .photographs = true},
                  {.missing = 1, .measure = true}) {}
-  std::string briefing(const host::RigFile&) const override {
+  std::string briefing(const host::RigFile& rig) const override {
     return fmt::format(
         "FLASHES for {:.1f} s, {} times, slowly; the machine's trigger stays still. Hold a ball a metre over "
         "the plate, above the middle of the view and in the plane where balls fly; let it go, without spin, "
         "as the flashes begin.",
-        to_seconds(kExposure), kDrops);
+        to_seconds(kExposure), drops(rig));
   }
 
  private:
+  static int drops(const host::RigFile& rig) { return kDrops * rig.commission.times; }
   std::vector<Fire> shots(const host::RigFile& rig) const override {
     Fire fire;
     fire.plan = slow_train(rig);
     fire.words = "let a ball go as the flashes begin";
     fire.photograph = true;
-    return std::vector<Fire>(kDrops, fire);
+    return std::vector<Fire>(static_cast<std::size_t>(drops(rig)), fire);
   }
 
   std::vector<StepResult> judge(const std::vector<SoundShot>& shots, const host::RigFile& rig) override {
@@ -316,9 +317,9 @@ Result<FreeFall> measure_free_fall(std::span<const reduction::Frame> frames, con
 StepResult judge_gravity(const FreeFall& fall, double local_mps2, double scale_share_sd) {
   const double off = fall.g_mps2 / local_mps2 - 1.0;
   const double sd = std::hypot(fall.g_sd_mps2 / local_mps2, scale_share_sd);
-  const double limit = std::max(kGravityTolerance, kCertain_sd * sd);
-  StepResult result = passed(fall.g_mps2, sd * local_mps2, "m/s^2",
-                             fmt::format("{:.4f} m/s^2 within {:.2f} %", local_mps2, 100.0 * limit));
+  StepResult result =
+      passed(fall.g_mps2, sd * local_mps2, "m/s^2",
+             fmt::format("{:.4f} m/s^2 within {:.2f} %", local_mps2, 100.0 * kGravityTolerance));
   result.words =
       fmt::format("balls fall with {:.3f} ± {:.3f} m/s^2, {:+.2f} % off the place's; {} legs, {} images",
                   fall.g_mps2, sd * local_mps2, 100.0 * off, fall.legs, fall.images);
@@ -327,28 +328,23 @@ StepResult judge_gravity(const FreeFall& fall, double local_mps2, double scale_s
       {"drag_share", fall.drag_share, {}, 1.0, 0},
       {"chi_squared_ratio", fall.chi_squared / std::max(1, fall.degrees_of_freedom), {}, 1.0, fall.images},
       {"outliers", static_cast<double>(fall.outliers), {}, 0.0, 0}};
-  if (std::abs(off) > limit)
-    mark_failed(
-        result, "gravity_off",
-        "the scale is off by as much, or the clock by half: calibrate the camera again with the board in the "
-        "plane where balls fly; see whether the ball's size is off by as much (step scale)");
-  else if (sd > kMaxGravitySd * 2.0)
-    mark_failed(result, "gravity_uncertain",
-                "drop more balls, nearer to the middle of the plate and without spin");
+  hold(result, interval(off, sd), within(kGravityTolerance), "gravity_off",
+       "the scale is off by as much, or the clock by half: calibrate the camera again with the board in the "
+       "plane where balls fly; see whether the ball's size is off by as much (step scale)",
+       "drop more balls (--times 4), nearer to the middle of the plate and without spin");
   return result;
 }
 
 StepResult judge_inclination(const FreeFall& fall, double stated_deg) {
   const double found = fall.inclination_rad * kDegrees, sd = fall.inclination_sd_rad * kDegrees;
-  const double limit = std::max(kInclination_deg, kCertain_sd * sd);
-  StepResult result = passed(found, sd, "deg", fmt::format("{:.2f} deg within {:.2f}", stated_deg, limit));
+  StepResult result =
+      passed(found, sd, "deg", fmt::format("{:.2f} deg within {:.2f}", stated_deg, kInclination_deg));
   result.words =
       fmt::format("balls fall at {:.2f} ± {:.2f} deg to the plate's normal, the rig file says {:.2f}", found,
                   sd, stated_deg);
   result.figures = {{"inclination_deg", found, sd, stated_deg, fall.images}};
-  if (std::abs(found - stated_deg) > limit)
-    mark_failed(result, "plate_inclined",
-                "measure the plate with an inclinometer, and enter surface_angle_deg in [analysis]");
+  hold(result, interval(found, sd), within(kInclination_deg, stated_deg), "plate_inclined",
+       "measure the plate with an inclinometer, and enter surface_angle_deg in [analysis]");
   return result;
 }
 

@@ -45,8 +45,6 @@ Result<FreeFall> measure_free_fall(std::span<const reduction::Frame> frames, con
 /// A scale or clock that is off by so much moves every speed by more than a series of ten shots leaves
 /// uncertain.
 inline constexpr double kGravityTolerance = 0.005;
-/// 3 sd of two numbers that should be the same, at worst, when the drops are as good as this.
-inline constexpr double kMaxGravitySd = 0.0012;
 
 /// Of g against the place's, by dropped balls. scale_share_sd: the calibration's own.
 StepResult judge_gravity(const FreeFall& fall, double local_mps2, double scale_share_sd);

@@ -77,10 +77,14 @@ Request FirmwareStep::step(const Situation& situation) {
   if (heartbeats_ < kHeartbeats) return Wait{"listening"};
   StepResult result = passed(static_cast<double>(status.queue_overflows + status.kernel_overflows), {},
                              "events lost", "none lost to the journal");
-  result.words =
-      fmt::format("the firmware is heard{}, its journal is written, real-time rights {}",
-                  situation.verified ? ", and is this lab's" : "",
-                  status.real_time ? "as wanted" : "not granted, which strobed was told to accept");
+  result.words = fmt::format("the firmware is heard{}, its journal is written, {}",
+                             situation.verified ? ", and is this lab's" : "",
+                             status.real_time ? "its real-time rights are granted"
+                                              : "real-time rights are ABSENT, which --allow-no-rt allows");
+  if (!status.real_time)
+    result.advice =
+        "flashes may come late: see what `strobed --check` says of them, and start it without "
+        "--allow-no-rt";
   result.figures = {{"real_time", status.real_time ? 1.0 : 0.0, {}, 1.0, 0},
                     {"kernel_overflows", static_cast<double>(status.kernel_overflows), {}, 0.0, 0},
                     {"queue_overflows", static_cast<double>(status.queue_overflows), {}, 0.0, 0}};

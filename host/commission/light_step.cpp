@@ -8,6 +8,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "host/commission/guard_band.hpp"
 #include "host/commission/shot_step.hpp"
 #include "host/commission/steps.hpp"
 
@@ -58,8 +59,15 @@ constexpr double kNoLight = 0.05;
 
 /// Light of a hundred flashes that vary by 5 % is known to 0.5 %; sixteen at either end of the exposure.
 constexpr int kFlashes = 100, kFlashesAtEnds = 16;
+constexpr double kFlashSd = 0.05;
+/// As shares: of a lamp's light over the other's; of light that does not add up, and of one end's over the
+/// other's, where each flash is two lamps'.
+const double kRatioSd = kFlashSd * std::sqrt(2.0 / kFlashes), kExcessSd = kFlashSd / std::sqrt(kFlashes),
+             kEndsSd = kFlashSd / std::sqrt(kFlashesAtEnds);
 /// Of the exposure, left dark at either end: the shutter's lag varies.
 constexpr int kMargin = 50;
+
+constexpr const char* kAgain = "do the step again";
 
 enum class Where { middle, beginning, end };
 
@@ -194,14 +202,15 @@ StepResult judge_light(const LampLight& light, const host::CommissionTable& limi
         fmt::format(
             "is lamp {} turned to the plane of the balls, and does its sensor see it and not another light?",
             letter));
-  } else if (bright > limits.brightness_ratio * dim) {
-    mark_failed(
-        result, a_is_dim ? "lamp_a_dim" : "lamp_b_dim",
-        fmt::format("clean lamp {}, bring it nearer or turn it; look at its discharge energy", letter));
-  } else if (std::abs(light.excess) > kMaxExcess) {
-    mark_failed(result, "light_does_not_add_up",
-                "numbers are not proportional to light (bench, section 4), or lamps that flash together "
-                "weaken each other");
+  } else {
+    hold(result, interval(*result.value, *result.value * kRatioSd),
+         {1.0 / limits.brightness_ratio, limits.brightness_ratio}, a_is_dim ? "lamp_a_dim" : "lamp_b_dim",
+         fmt::format("clean lamp {}, bring it nearer or turn it; look at its discharge energy", letter),
+         kAgain);
+    hold(result, interval(light.excess, kExcessSd), within(kMaxExcess), "light_does_not_add_up",
+         "numbers are not proportional to light (bench, section 4), or lamps that flash together weaken each "
+         "other",
+         kAgain);
   }
   return result;
 }
@@ -216,13 +225,12 @@ StepResult judge_exposure_window(const LampLight& light) {
   result.words =
       fmt::format("the picture has {:.0f} % of the first flashes' light and {:.0f} % of the last ones'",
                   100.0 * light.early, 100.0 * light.late);
-  if (light.early < kMinEdgeLight)
-    mark_failed(result, "shutter_opens_late",
-                "the shutter opens after the first flashes: measure its lag, and enter lag_ms in [shutter]");
-  else if (light.late < kMinEdgeLight)
-    mark_failed(result, "shutter_closes_early",
-                "the shutter closes before the last flashes: set the camera to bulb, and its own exposure "
-                "time to none");
+  hold(result, interval(light.early, kEndsSd), {.least = kMinEdgeLight}, "shutter_opens_late",
+       "the shutter opens after the first flashes: measure its lag, and enter lag_ms in [shutter]", kAgain);
+  hold(
+      result, interval(light.late, kEndsSd), {.least = kMinEdgeLight}, "shutter_closes_early",
+      "the shutter closes before the last flashes: set the camera to bulb, and its own exposure time to none",
+      kAgain);
   return result;
 }
 

@@ -95,16 +95,18 @@ StepResult judge_scale(const ScaleCheck& check, double diameter_share_sd, double
   constexpr double kDigitizer = 2e-4, kMatters = 0.004;
   const double sd =
       std::hypot(std::hypot(check.ratio_sd, diameter_share_sd), std::hypot(scale_share_sd, kDigitizer));
-  const double limit = std::max(kMatters, kCertain_sd * sd);
-  StepResult result = passed(100.0 * off, 100.0 * sd, "%", fmt::format("0 within {:.2f} %", 100.0 * limit));
+  StepResult result =
+      passed(100.0 * off, 100.0 * sd, "%", fmt::format("0 within {:.2f} %", 100.0 * kMatters));
   result.words =
       fmt::format("balls look {:+.2f} ± {:.2f} % larger than scale and diameter say; {} images of {} balls",
                   100.0 * off, 100.0 * sd, check.images, check.shots);
   result.figures = {{"size_off_percent", 100.0 * off, 100.0 * sd, 0.0, check.images}};
-  if (std::abs(off) > limit)
-    mark_failed(result, "scale_off",
-                "measure the ball's diameter again, and calibrate with the board in the plane where balls "
-                "fly; where step gravity passes, it is the ball or the plane");
+  hold(result, interval(off, sd), within(kMatters), "scale_off",
+       "measure the ball's diameter again, and calibrate with the board in the plane where balls fly; where "
+       "step gravity passes, it is the ball or the plane",
+       diameter_share_sd > std::max(check.ratio_sd, scale_share_sd)
+           ? "measure the ball's diameter in ten places with callipers, and enter diameter_sd_m in [ball]"
+           : kMoreShots);
   return result;
 }
 
@@ -112,21 +114,19 @@ StepResult judge_squareness(const ScaleCheck& check) {
   const bool sideways = std::abs(check.across) >= std::abs(check.upwards);
   const double slope = sideways ? check.across : check.upwards;
   const double sd = sideways ? check.across_sd : check.upwards_sd;
-  const auto beyond = [](double value, double value_sd) {
-    return std::abs(value) > std::max(kMaxSlope, kCertain_sd * value_sd);
-  };
-  StepResult result = passed(100.0 * slope, 100.0 * sd, "%",
-                             fmt::format("0 within {:.2f} % over the photograph's width and height",
-                                         100.0 * std::max(kMaxSlope, kCertain_sd * sd)));
+  StepResult result =
+      passed(100.0 * slope, 100.0 * sd, "%",
+             fmt::format("0 within {:.2f} % over the photograph's width and height", 100.0 * kMaxSlope));
   result.words = fmt::format(
       "balls grow by {:+.2f} ± {:.2f} % from left to right, {:+.2f} ± {:.2f} % upwards", 100.0 * check.across,
       100.0 * check.across_sd, 100.0 * check.upwards, 100.0 * check.upwards_sd);
   result.figures = {{"across_percent", 100.0 * check.across, 100.0 * check.across_sd, 0.0, check.images},
                     {"upwards_percent", 100.0 * check.upwards, 100.0 * check.upwards_sd, 0.0, check.images}};
-  if (beyond(check.across, check.across_sd) || beyond(check.upwards, check.upwards_sd))
-    mark_failed(result, "camera_tilted",
-                "the camera has moved since its calibration, or balls fly towards the lens or away: "
-                "calibrate again with the board in the plane where balls fly");
+  for (const Interval& found :
+       {interval(check.across, check.across_sd), interval(check.upwards, check.upwards_sd)})
+    hold(result, found, within(kMaxSlope), "camera_tilted",
+         "the camera has moved since its calibration, or balls fly towards the lens or away: calibrate again "
+         "with the board in the plane where balls fly");
   return result;
 }
 

@@ -1,17 +1,17 @@
-// What several steps judge by: repeated measurements of one quantity, how far chance moves them, and least
+// What several steps judge by: repeated measurements of one quantity, where their truth is, and least
 // squares of few unknowns. Plain values; pure; thread-safe; solve_normal() allocates.
 #pragma once
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 
 #include "common/reduction/running_statistics.hpp"
 #include "common/statistics/distributions.hpp"
+#include "host/commission/guard_band.hpp"
 
 namespace strobe::commission {
 
-/// A deviation that is not chance: two-sided, of a normal, 6e-5.
-inline constexpr double kCertain_sd = 4.0;
 /// Of the scale over the whole width or height: speeds of either leg are then off by a quarter of it.
 inline constexpr double kMaxSlope = 0.006;
 
@@ -24,14 +24,21 @@ class Sample {
   double mean() const { return values_.mean(); }
   double sd() const { return values_.sample_sd(); }
   double mean_sd() const { return count() > 1 ? sd() / std::sqrt(static_cast<double>(count())) : 0.0; }
-  /// How far chance moves the mean, to either side with this probability: (0, 1), by Student's t.
-  double mean_margin(double probability) const {
-    return count() > 1 ? statistics::student_t_half_width(probability, count() - 1.0) * mean_sd() : 0.0;
+  /// Half the interval of the mean, by Student's t; infinite where the scatter is not known.
+  double mean_margin() const {
+    return count() > 1 ? statistics::student_t_half_width(kGuardProbability, count() - 1.0) * mean_sd()
+                       : std::numeric_limits<double>::infinity();
   }
-  /// The true sd is smaller only as often as a normal deviate exceeds z (normal approximation of the
-  /// logarithm).
-  double sd_lower_bound(double z) const {
-    return count() > 1 ? sd() * std::exp(-z / std::sqrt(2.0 * (count() - 1.0))) : 0.0;
+  Interval mean_interval() const { return {mean() - mean_margin(), mean() + mean_margin()}; }
+  /// By chi squared. Of one value: all that is possible.
+  Interval sd_interval() const {
+    if (count() < 2) return {0.0, std::numeric_limits<double>::infinity()};
+    constexpr double kTail = 0.5 * (1.0 - kGuardProbability);
+    const double freedom = count() - 1.0;
+    const auto end = [&](double below) {
+      return sd() * std::sqrt(freedom / statistics::chi_squared_quantile(freedom, below));
+    };
+    return {end(1.0 - kTail), end(kTail)};
   }
 
  private:

@@ -32,7 +32,8 @@ struct CommissionTable {
   double shutter_tolerance_ms = 3.0;  ///< 0.1 to 1000; of its mean lag about the rig file's
 
   double brightness_ratio = 1.5;  ///< 1.01 to 100; of the brighter lamp on the picture to the dimmer one
-  int balls = 9;                  ///< 2 to 1000; thrown for gravity, noise and repeatability
+  int balls = 9;                  ///< 2 to 1000; thrown for noise, scale and repeatability
+  int times = 1;                  ///< not of the file: so many times the trains, drops and balls
   /// Where photographs of a printed chessboard are put, beside the rig file unless it begins with /; absent:
   /// nowhere.
   std::optional<std::string> board_folder;

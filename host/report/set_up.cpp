@@ -120,7 +120,7 @@ WallTime begin_of(const std::string& day) {
 
 std::string state_words(const Standing::Line& line) {
   if (line.step == nullptr) return "never done";
-  std::string words(commission::name(line.step->result.state));
+  std::string words(commission::in_words(line.step->result.state));
   if (line.changed) words += ", before the rig file's change";
   if (line.old) words += ", too old";
   return words;

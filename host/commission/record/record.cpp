@@ -70,7 +70,8 @@ Json json_of(const std::string& title, const StepResult& result) {
 }
 
 std::optional<StepState> state_of(const std::string& word) {
-  for (const StepState state : {StepState::passed, StepState::failed, StepState::skipped})
+  for (const StepState state :
+       {StepState::passed, StepState::failed, StepState::skipped, StepState::not_told})
     if (name(state) == word) return state;
   return std::nullopt;
 }
@@ -114,7 +115,7 @@ std::string list(const std::vector<std::string>& ids) {
 
 std::string words_of(const Standing& standing) {
   if (standing.state == Standing::State::absent) return "not commissioned";
-  std::vector<std::string> failed, missing, changed, old, left_out;
+  std::vector<std::string> failed, missing, changed, old, not_told, left_out;
   for (const Standing::Line& line : standing.lines) {
     if (line.step == nullptr) {
       missing.push_back(line.info.id);
@@ -124,12 +125,15 @@ std::string words_of(const Standing& standing) {
       changed.push_back(line.info.id);
     } else if (line.old) {
       old.push_back(line.info.id);
+    } else if (line.step->result.state == StepState::not_told) {
+      not_told.push_back(line.info.id);
     } else if (line.step->result.state == StepState::skipped) {
       left_out.push_back(line.info.id);
     }
   }
   std::string text = fmt::format("commissioned on {}", standing.newest_utc.substr(0, 10));
   if (!failed.empty()) text += "; failed: " + list(failed);
+  if (!not_told.empty()) text += "; not told apart from the limit: " + list(not_told);
   if (!changed.empty()) text += "; before the rig file's change: " + list(changed);
   if (!old.empty()) text += "; too old: " + list(old);
   if (!missing.empty()) text += "; never done: " + list(missing);
@@ -224,8 +228,8 @@ Standing standing(const Record& record, std::span<const StepInfo> infos, const h
       result.oldest_days = std::max(result.oldest_days, days);
       result.newest_utc = std::max(result.newest_utc, line.step->utc);
     }
-    const bool well =
-        line.step != nullptr && line.step->result.state != StepState::failed && !line.changed && !line.old;
+    const bool well = line.step != nullptr && line.step->result.state != StepState::failed &&
+                      line.step->result.state != StepState::not_told && !line.changed && !line.old;
     if (!well && result.state == Standing::State::good) result.state = Standing::State::doubtful;
     result.lines.push_back(std::move(line));
   }

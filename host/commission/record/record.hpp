@@ -62,7 +62,7 @@ struct Standing {
     absent,  ///< nothing is recorded
     good,    ///< all steps passed, or were skipped for a stated reason; none old, none before the rig file's
              ///< change
-    doubtful,  ///< some step failed, is missing, old, or older than the rig file's change
+    doubtful,  ///< some step failed or was not told, is missing, old, or older than the rig file's change
   };
   struct Line {
     const RecordedStep* step = nullptr;  ///< nullptr: never done

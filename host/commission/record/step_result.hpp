@@ -18,11 +18,17 @@ enum class StepState {
   waiting,  ///< for a person, or for what nothing can be fired without
   passed,
   failed,
-  skipped,  ///< by a person, or since the rig has not what it asks of; never a pass
+  skipped,   ///< by a person, or since the rig has not what it asks of; never a pass
+  not_told,  ///< measured, but too uncertain to be told apart from a limit (guard_band.hpp); never a pass
 };
-inline constexpr std::array<std::string_view, 6> kStateNames{"pending", "running", "waiting",
-                                                             "passed",  "failed",  "skipped"};
+/// In the record.
+inline constexpr std::array<std::string_view, 7> kStateNames{"pending", "running", "waiting", "passed",
+                                                             "failed",  "skipped", "not_told"};
 constexpr std::string_view name(StepState state) { return kStateNames[static_cast<std::size_t>(state)]; }
+/// For a person.
+constexpr std::string_view in_words(StepState state) {
+  return state == StepState::not_told ? "not told apart" : name(state);
+}
 constexpr bool over(StepState state) { return state >= StepState::passed; }
 
 /// One line of the record. A Step may answer several, from the same shots.
@@ -51,7 +57,7 @@ struct StepResult {
   std::string unit;             ///< of both: "us"; may be empty
   std::string limit;            ///< in words: "within 3 us of the rig file's 12.0"; may be empty
   std::string words;   ///< what was found, one sentence: "lamp A flashes 12.1 ± 0.3 us after its pulse"
-  std::string advice;  ///< failed or skipped: what to do, one sentence
+  std::string advice;  ///< what to do, one sentence; may be empty
   std::string fault;   ///< failed: its name for scripts, such as "sensors_swapped"; empty where it has none
   std::vector<Figure> figures;  ///< all that was measured
 };
@@ -71,7 +77,7 @@ inline StepResult failed(std::string fault, std::string words, std::string advic
   result.fault = std::move(fault);
   return result;
 }
-/// Has passed, unless mark_failed() is called.
+/// Has passed, unless hold() (guard_band.hpp) or mark_failed() says otherwise.
 inline StepResult passed(std::optional<double> value, std::optional<double> sd, std::string unit,
                          std::string limit) {
   StepResult result;

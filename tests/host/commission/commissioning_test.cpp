@@ -29,8 +29,8 @@ std::string channel(Channel kind) { return messages::channel_name("bench", kind)
 /// Passes at once, or after a shot; says what became of it.
 class ScriptedStep final : public Step {
  public:
-  ScriptedStep(std::string id, Needs needs, bool good = true)
-      : Step({{id, id, {"lamps"}}}, needs), good_(good) {}
+  ScriptedStep(std::string id, Needs needs, StepState outcome)
+      : Step({{id, id, {"lamps"}}}, needs), outcome_(outcome) {}
   std::string briefing(const host::RigFile&) const override { return "does " + infos()[0].id; }
   void begin(const Situation&) override {
     ++begun;
@@ -46,7 +46,7 @@ class ScriptedStep final : public Step {
     }
     if (!why_not.empty()) return Done{{failed("no_shot", why_not, "mend it")}};
     StepResult result;
-    result.state = good_ ? StepState::passed : StepState::failed;
+    result.state = outcome_;
     return Done{{result}};
   }
   void on_shot(host::Shot shot) override {
@@ -63,7 +63,7 @@ class ScriptedStep final : public Step {
   std::string why_not;
 
  private:
-  bool good_;
+  StepState outcome_;
   bool fired_ = false;
 };
 
@@ -103,8 +103,8 @@ TEST_GROUP(Commissioning) {
     status.wall_ns = 1'800'000'000'000'000'000;
   }
 
-  void add(const std::string& id, Needs needs = {}, bool good = true) {
-    auto step = std::make_unique<ScriptedStep>(id, needs, good);
+  void add(const std::string& id, Needs needs = {}, StepState outcome = StepState::passed) {
+    auto step = std::make_unique<ScriptedStep>(id, needs, outcome);
     scripted.push_back(step.get());
     steps.push_back(std::move(step));
   }
@@ -181,7 +181,7 @@ TEST_GROUP(Commissioning) {
 
 TEST(Commissioning, TakesTheStepsInTheirOrder) {
   add("one");
-  add("two", {}, false);
+  add("two", {}, StepState::failed);
   add("three");
   begin();
   turn(10);
@@ -219,22 +219,34 @@ TEST(Commissioning, NothingMovesForAnEmptyLine) {
   CHECK_TRUE(answer_of(question, "n") == Answer::no);
 }
 
-TEST(Commissioning, RepeatsAStepThatFailedIfAPersonWants) {
+TEST(Commissioning, RepeatsAStepThatFailedOrDidNotTellIfAPersonWants) {
   settings.attended = true;
-  add("one", {}, false);
+  add("one", {}, StepState::failed);
+  add("two", {}, StepState::not_told);
   begin();
-  turn(2);
-  commissioning->answer(Answer::yes);
-  turn(2);
-  CHECK_TRUE(commissioning->prompt()->kind == Prompt::Kind::after_failure);
-  commissioning->answer(Answer::yes);
-  turn(2);
-  commissioning->answer(Answer::yes);
-  turn(2);
-  LONGS_EQUAL(2, scripted[0]->begun);
-  commissioning->answer(Answer::no);
+  for (const ScriptedStep* step : scripted) {
+    turn(2);
+    commissioning->answer(Answer::yes);
+    turn(2);
+    CHECK_TRUE(commissioning->prompt()->kind == Prompt::Kind::after_failure);
+    commissioning->answer(Answer::yes);
+    turn(2);
+    commissioning->answer(Answer::yes);
+    turn(2);
+    LONGS_EQUAL(2, step->begun);
+    commissioning->answer(Answer::no);
+  }
   turn(2);
   CHECK_TRUE(commissioning->finished());
+}
+
+TEST(Commissioning, RepeatsWhatWasNotToldBefore) {
+  Record former = passed_before("one");
+  former.steps[0].result.state = StepState::not_told;
+  add("one");
+  begin(former);
+  turn(5);
+  CHECK_EQUAL("one passed", joined(told.results));
 }
 
 TEST(Commissioning, GoesOnWhereTheRecordEnds) {

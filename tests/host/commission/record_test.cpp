@@ -68,6 +68,17 @@ TEST(CommissionRecord, ReadsBackAsItWasWritten) {
   CHECK_FALSE(read.torn);
 }
 
+TEST(CommissionRecord, KeepsEachOutcome) {
+  for (const auto& [state, word] : {std::pair{StepState::passed, "passed"},
+                                    {StepState::failed, "failed"},
+                                    {StepState::skipped, "skipped"},
+                                    {StepState::not_told, "not_told"}}) {
+    const std::string line = record_line(step_of(kInfos[0], state, rig, "2026-11-23T10:00:00.000Z"));
+    STRCMP_CONTAINS(fmt::format("\"state\":\"{}\"", word).c_str(), line.c_str());
+    CHECK_TRUE(parse_record(line).steps.at(0).result.state == state);
+  }
+}
+
 TEST(CommissionRecord, TellsOfATornLineAndKeepsTheRest) {
   const std::string line =
       record_line(step_of(kInfos[0], StepState::passed, rig, "2026-11-23T10:00:00.000Z"));
@@ -114,6 +125,13 @@ TEST(CommissionRecord, TellsWhatFailedIsMissingIsOldOrCameBeforeAChange) {
               standing(record, kInfos, rig, day(31)).words);
   CHECK_EQUAL("commissioned on 2026-11-23; before the rig file's change: shutter",
               standing(record, kInfos, rig_of(replaced(kRig, "lag_ms = 45", "lag_ms = 46")), day()).words);
+}
+
+TEST(CommissionRecord, IsInDoubtWhereALimitWasNotTold) {
+  const Record record = whole(StepState::not_told);
+  const Standing stands = standing(record, kInfos, rig, day());
+  CHECK_TRUE(stands.state == State::doubtful);
+  CHECK_EQUAL("commissioned on 2026-11-23; not told apart from the limit: lamp_a", stands.words);
 }
 
 TEST(CommissionRecord, TellsWhatWasLeftOut) {

@@ -10,7 +10,7 @@ namespace {
 
 using namespace strobe;
 using namespace strobe::commission;
-using commission_test::fails, commission_test::passes;
+using commission_test::fails, commission_test::is_not_told, commission_test::passes;
 
 constexpr double kWidth_px = 2880, kHeight_px = 1840, kPxPerM = 4000.0, kDiameter_m = 0.065;
 
@@ -91,11 +91,14 @@ TEST(ScaleCheck, LeavesOutContactAndWantsEnoughImages) {
 }
 
 TEST(ScaleCheck, TheBallsSizeMustFitScaleAndDiameter) {
-  ScaleCheck check{1.002, 1e-4, 0.0, 1e-4, 0.0, 1e-4, 180, 9};
+  ScaleCheck check{1.0005, 1e-4, 0.0, 1e-4, 0.0, 1e-4, 180, 9};
   passes(judge_scale(check, 0.0015, 5e-4));
   check.ratio = 1.01;
   fails("scale_off", judge_scale(check, 0.0015, 5e-4));
-  passes(judge_scale(check, 0.003, 5e-4));  // a diameter known to .3 % cannot tell
+  // A diameter known to .3 % cannot tell.
+  is_not_told("measure the ball's diameter", judge_scale(check, 0.003, 5e-4));
+  check.ratio = 1.0;
+  is_not_told("measure the ball's diameter", judge_scale(check, 0.003, 5e-4));
 }
 
 TEST(ScaleCheck, TheBallsSizeMustNotChangeOverThePhotograph) {

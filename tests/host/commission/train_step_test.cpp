@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/host/commission/judged.hpp"
 #include "tests/host/commission/trains.hpp"
 #include "tests/support/string_from.hpp"
 
@@ -12,6 +13,7 @@ namespace {
 
 using namespace strobe;
 using namespace strobe::commission;
+using commission_test::is_not_told;
 using commission_test::train;
 using commission_test::TrainFaults;
 
@@ -57,9 +59,20 @@ TEST(LampJudgement, InventsNothingOnAThousandGoodLamps) {
   }
 }
 
+// Calls of 12 us leave the delay open by 6 / sqrt(3) us: more than half the tolerance of 3.
 TEST(LampJudgement, KnowsThatALongCallLeavesTheDelayOpen) {
-  CHECK_EQUAL("", fault_alone({.call_us = 12.0}));
+  is_not_told("the calls that set the line take 12 us",
+              judge_lamp_alone(Lamps::a, train(Lamps::a, {.call_us = 12.0}), {}));
+  is_not_told("the calls that set the line take 12 us",
+              judge_lamp_alone(Lamps::a, train(Lamps::a, {.delay_us = 7.0, .call_us = 12.0}), {}));
   CHECK_EQUAL("delay_off", fault_alone({.delay_us = 40.0, .call_us = 12.0}));
+}
+
+// Of a hundred flashes an sd is known to 7 %.
+TEST(LampJudgement, DoesNotTellAJitterThatIsAtItsLimit) {
+  host::CommissionTable limits;
+  limits.delay_tolerance_us = 5.0;
+  is_not_told("take more shots", judge_lamp_alone(Lamps::a, train(Lamps::a, {.jitter_us = 5.0}), limits));
 }
 
 TEST(LampJudgement, NamesEachFault) {
@@ -117,6 +130,13 @@ TEST(ShutterJudgement, NamesAShutterThatIsLateEarlyOrStuck) {
   CHECK_EQUAL("shutter_early", judge_shutter(shots(30.0, 45.0), rig).fault);
   CHECK_EQUAL("shutter_late", judge_shutter(shots(90.0, 90.0, shot_t::FEEDBACK_LATE), rig).fault);
   CHECK_EQUAL("shutter_stuck", judge_shutter(shots(45.0, 45.0, shot_t::FEEDBACK_MISSING), rig).fault);
+}
+
+// Five lags of 0.1 ms sd .16: their mean is known to 2.87 times .07 ms (Student's t of four degrees of freedom).
+TEST(ShutterJudgement, DoesNotTellALagAtItsLimit) {
+  is_not_told("take more shots", judge_shutter(shots(47.9, 45.0), rig));
+  is_not_told("take more shots", judge_shutter(shots(45.0, 41.9), rig));
+  CHECK_TRUE(judge_shutter(shots(47.7, 42.3), rig).state == StepState::passed);
 }
 
 TEST(ShutterJudgement, IsLeftOutWithoutAContact) {

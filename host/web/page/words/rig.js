@@ -122,6 +122,7 @@ const STEP_STATES = {
   waiting: ["waits for you", "caution"],
   passed: ["passed", "good"],
   failed: ["FAILED", "danger"],
+  not_told: ["not told apart from its limit", "caution"],
   skipped: ["left out", "caution"],
 };
 
