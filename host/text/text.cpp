@@ -26,6 +26,20 @@ std::string right(std::string_view text, std::size_t width) {
   return fmt::format("{:>{}}", cut(text, width), width);
 }
 
+std::vector<std::string> wrapped(std::string_view text, std::size_t width, std::string_view indent) {
+  std::vector<std::string> lines{""};
+  for (std::size_t begin = 0, end = 0; begin <= text.size(); begin = end + 1) {
+    end = std::min(text.find(' ', begin), text.size());
+    const std::string_view word = text.substr(begin, end - begin);
+    const bool begins = lines.back().empty();
+    if (!begins && columns(lines.back()) + 1 + columns(word) > width)
+      lines.push_back(std::string(indent) + std::string(word));
+    else
+      lines.back() += (begins ? "" : " ") + std::string(word);
+  }
+  return lines;
+}
+
 std::string rounded(double value, double sd, int least) {
   int decimals = 3;
   if (std::isfinite(sd) && sd > 0.0) decimals = 1 - static_cast<int>(std::floor(std::log10(sd)));

@@ -19,6 +19,10 @@ std::string cut(std::string_view text, std::size_t width);
 std::string left(std::string_view text, std::size_t width);
 std::string right(std::string_view text, std::size_t width);
 
+/// Lines of at most `width` columns, broken at spaces; a longer word has a line of its own. Lines after the
+/// first begin with `indent`.
+std::vector<std::string> wrapped(std::string_view text, std::size_t width, std::string_view indent = "  ");
+
 /// The value with as many decimals as its uncertainty has significance (two digits of the sd), at least
 /// `least` and at most 6.
 std::string rounded(double value, double sd, int least = 0);

@@ -7,6 +7,7 @@
 
 #include "common/reduction/uncertainty.hpp"
 #include "host/config/notes.hpp"
+#include "host/session/advice.hpp"
 #include "host/session/shot.hpp"
 #include "host/session/shot_table.hpp"
 #include "host/text/text.hpp"
@@ -112,14 +113,17 @@ std::string headline(const Shot& shot_result, bool all) {
   return text;
 }
 
-Lines remarks(const Shot& shot_result, bool all) {
+/// Flags in words, what to do about them, and what is recorded of the shot.
+Lines remarks(const Shot& shot_result, bool all, std::size_t width) {
   Lines lines;
+  const auto add = [&](const std::string& text) { append(lines, wrapped(text, width)); };
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     const auto flag = static_cast<reduction::Flag>(i);
     if (shot_result.readout.flags.has(flag))
-      lines.push_back("! " + words(flag, shot_result.readout, shot_result.train.faults));
+      add("! " + words(flag, shot_result.readout, shot_result.train.faults));
   }
-  if (!shot_result.problem.empty()) lines.push_back("! " + shot_result.problem);
+  if (!shot_result.problem.empty()) add("! " + shot_result.problem);
+  if (const std::string what = advice(shot_result); !what.empty()) add("What to do: " + what);
   const auto& flashes = shot_result.readout.flashes;
   if (all && flashes && flashes->coded) {
     // Rivals that are hopeless are left out of the sum, so that 0 is not to be taken at its word.
@@ -203,7 +207,7 @@ Lines render_shot(const Shot& shot_result, std::size_t width, bool all) {
       if (is_shown(shot_result.readout, q, all)) lines.push_back(shot_row(shot_result.readout, q, all));
     }
   }
-  append(lines, remarks(shot_result, all));
+  append(lines, remarks(shot_result, all, width));
   return fitted(std::move(lines), width);
 }
 
@@ -222,7 +226,7 @@ Lines render(const ViewModel& model, std::size_t width) {
   } else if (has_numbers(*model.last) && width >= both) {
     lines.push_back(headline(*model.last, model.all) + "   " + count_words(model.series));
     append(lines, shot_beside_series(model));
-    append(lines, remarks(*model.last, model.all));
+    append(lines, remarks(*model.last, model.all, width));
   } else {
     append(lines, render_shot(*model.last, width, model.all));
   }

@@ -10,6 +10,7 @@
 #include "host/archive/shot_outcome.hpp"
 #include "host/assembly/camera_map.hpp"
 #include "host/series/select.hpp"
+#include "host/session/advice.hpp"
 #include "host/session/shot.hpp"
 #include "host/session/shot_table.hpp"
 #include "host/view/series_json.hpp"
@@ -104,7 +105,7 @@ ordered_json detail_json(const Shot& shot, const std::string& session_id,
   object["readout"] = messages::readout_json(shot.readout);
   object["problem"] = shot.problem.empty() ? ordered_json() : ordered_json(shot.problem);
   object["flag_words"] = flag_words_json(shot);
-  object["advice"] = advice(shot);
+  object["advice"] = host::advice(shot);
   object["verified"] = shot.verified;
   object["photograph"] = photograph ? ordered_json{{"url", photograph->url},
                                                    {"width_px", photograph->width_px},

@@ -12,6 +12,7 @@
 #include "host/archive/shot_outcome.hpp"
 #include "host/assembly/camera_map.hpp"
 #include "host/photographs/digitization_json.hpp"
+#include "host/session/advice.hpp"
 #include "host/web/images_json.hpp"
 #include "host/web/shot_json.hpp"
 
@@ -71,7 +72,7 @@ ordered_json preview_json(const Shot& before, const Preview& after) {
                     {"after", result_values(result)},
                     {"rejected", {{"before", or_null(before.rejected)}, {"after", or_null(result.rejected)}}},
                     {"flags", shot_row(result).flags},
-                    {"advice", advice(result)}};
+                    {"advice", host::advice(result)}};
   json.update(photograph_json(after));
   json["surface_by_hand"] = after.found.surface_by_hand;
   json["problem"] = result.problem.empty() ? ordered_json() : ordered_json(result.problem);

@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/data/thesis_data.hpp"
@@ -54,9 +53,5 @@ nlohmann::ordered_json series_page_json(const host::SeriesSummary& summary,
 
 /// The thesis's series where all rows have one spin and angle. Reads the file that comes with strobe.
 std::optional<thesis::Condition> condition_of(std::span<const ShotRow> rows);
-
-/// What to do about a shot that does not count, or whose numbers are doubtful: a sentence or more; empty:
-/// nothing.
-std::string advice(const host::Shot& result);
 
 }  // namespace strobe::web

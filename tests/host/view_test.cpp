@@ -292,6 +292,13 @@ TEST(TextForATerminal, IsCutAndPaddedByCharacters) {
   STRCMP_EQUAL("日 ", host::left("日", 3).c_str());  // two columns wide
 }
 
+TEST(TextForATerminal, IsWrappedAtSpacesAndLosesNothing) {
+  const std::vector<std::string> lines{"! ± one", "  two", "  threefour", "  five"};
+  CHECK_TRUE(lines == host::wrapped("! ± one two threefour five", 7));
+  CHECK_EQUAL("a b", host::wrapped("a b", 3).at(0));
+  CHECK_EQUAL("", host::wrapped("", 0).at(0));
+}
+
 TEST(TextForATerminal, NumbersHaveTwoDigitsOfTheirUncertainty) {
   CHECK_EQUAL("15.623", host::rounded(15.6234, 0.0367));
   CHECK_EQUAL("-308", host::rounded(-307.9, 12.0));

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/assembly/assemble.hpp"
+#include "host/view/render.hpp"
 #include "host/web/shot_json.hpp"
 #include "tests/host/synthetic_shot.hpp"
 #include "tests/host/web/documented.hpp"
@@ -145,12 +146,15 @@ TEST(DetailJson, HasTheFieldsThatTheInterfacesDescriptionLists) {
              web_test::fields_of(detail["images"][0]));
 }
 
-TEST_GROUP(Advice){};
-
-TEST(Advice, IsGivenOnceForEachThingToDo) {
-  host::Shot result;
-  CHECK_EQUAL("", web::advice(result));
-  result.readout.flags.set(reduction::Flag::overlaps_surface);
-  result.readout.flags.set(reduction::Flag::outlier_surface_point);
-  CHECK_EQUAL("Look at the surface line: if it is wrong, give it by hand.", web::advice(result));
+TEST(DetailJson, AdvisesWhatTheConsoleDoes) {
+  host::Shot shot = stored({});
+  shot.digitizations.clear();
+  host::judge_again(shot);
+  std::string printed;
+  for (const std::string& line : host::render_shot(shot, 40)) {
+    const std::string_view begin = "What to do: ";
+    if (line.starts_with(begin)) printed = line.substr(begin.size());
+    else if (!printed.empty()) printed += line.substr(1);
+  }
+  CHECK_EQUAL(web::detail_json(shot, "today", std::nullopt)["advice"].get<std::string>(), printed);
 }
