@@ -46,10 +46,11 @@ ordered_json digitization_json(const StoredSession& session, const Digitization&
   return json;
 }
 
+/// With its total standard uncertainty, as the readout above has it.
 std::string cell(const reduction::Readout& readout, Quantity quantity) {
   const auto& value = readout.value[quantity];
   if (!value) return right("-", 20);
-  const auto sd = readout.sd[quantity];
+  const auto sd = reduction::total_sd(readout, quantity);
   return right(rounded(*value, sd.value_or(0.0), sd ? 0 : 3), 11) +
          (sd ? left(fmt::format(" ± {:#.2g}", *sd), 11) : "");
 }
@@ -90,7 +91,8 @@ std::vector<std::string> measurement_lines(const StoredSession& session, const S
 
 /// Each number before and after a change of the digitization.
 std::vector<std::string> comparison_lines(const Shot& before, const Shot& after) {
-  std::vector<std::string> lines{left("", 24) + right("before", 11) + left("", 9) + right("after", 13)};
+  std::vector<std::string> lines{left("", 24) + right("before", 11) + left(" ± sd", 11) + right("after", 11) +
+                                 " ± sd"};
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     const auto quantity = static_cast<Quantity>(i);
     if (!before.readout.value[quantity] && !after.readout.value[quantity]) continue;

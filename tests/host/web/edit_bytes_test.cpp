@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "common/authentication/key_file.hpp"
 #include "host/web/editing.hpp"
@@ -74,4 +75,12 @@ TEST(EditBytes, OfThePageAreThoseOfTheCommand) {
   CHECK_EQUAL(table(command), table(page));
   const auto shot = nlohmann::json::parse(*saved.body).at("shot");
   CHECK_TRUE(edited.at(0).at("vx_td_mps") == shot.at("readout").at("vx_td_mps"));
+
+  // For a person, after the change as in the readout above it: "speed touchdown  17.02 ± 0.26  m/s".
+  const auto undone = testing::run_program({kStrobe, "shot", command, "1", "--undo-edit", "--key-file", key_file});
+  const std::regex row("speed touchdown +([0-9.]+) ± ([0-9.]+)"), table_row("speed touchdown m/s.* ([0-9.]+) ± ([0-9.]+)");
+  std::smatch readout, after;
+  CHECK_TRUE_TEXT(std::regex_search(undone.out, readout, row), undone.out.c_str());
+  CHECK_TRUE_TEXT(std::regex_search(undone.out, after, table_row), undone.out.c_str());
+  CHECK_EQUAL(readout.str(1) + " ± " + readout.str(2), after.str(1) + " ± " + after.str(2));
 }
