@@ -246,11 +246,11 @@ void SessionReader::name_shots() {
     session_.shots[i].name = names[i];
     if (!session_.shots[i].summary) without_end.push_back(names[i]);
   }
-  if (!without_end.empty())
-    remark(fmt::format(
-        "the end of shot{} {} is in no log; where strobed kept its journal elsewhere, a copy of it in this "
-        "folder tells of it",
-        without_end.size() == 1 ? "" : "s", fmt::join(without_end, ", ")));
+  if (without_end.empty()) return;
+  remark(fmt::format("the end of shot{} {} is in no log", without_end.size() == 1 ? "" : "s",
+                     fmt::join(without_end, ", ")));
+  session_.advice.emplace_back(
+      "where strobed kept its journal elsewhere, a copy of it in this folder tells of a shot's end");
 }
 
 /// Times as the session's results.csv has them.
@@ -277,7 +277,10 @@ Result<StoredSession> read_session(const fs::path& folder, const ReadSessionOpti
   auto session = SessionReader(folder, options, std::move(*rigs)).read();
   if (!session) return session;
   if (auto taken = take_times(*session); !taken) return tl::unexpected(taken.error());
-  if (auto remark = never_digitized_remark(*session)) session->remarks.push_back(std::move(*remark));
+  if (auto remark = never_digitized_remark(*session)) {
+    session->remarks.push_back(std::move(*remark));
+    session->advice.push_back(completion_advice(*session));
+  }
   return session;
 }
 

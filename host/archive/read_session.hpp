@@ -30,6 +30,7 @@ struct StoredSession {
   std::vector<RunRecord> runs;              ///< oldest first; of hosts without a record only utc and host_id
   std::vector<Shot> shots;                  ///< as fired; dry ones are left out
   std::vector<std::string> remarks;         ///< what could not be read or is missing, a sentence each
+  std::vector<std::string> advice;          ///< what an operator can do about that, likewise
   bool verified = false;                    ///< all is sealed with the lab's key
 };
 

@@ -202,6 +202,7 @@ Result<ChangedShot> take_back(const StoredSession& session, const Shot& shot) {
 Completion complete(StoredSession& session) {
   Completion completion;
   if (const auto told = never_digitized_remark(session)) std::erase(session.remarks, *told);
+  std::erase(session.advice, completion_advice(session));
   for (Shot& shot : session.shots) {
     if (!never_digitized(shot)) continue;
     const auto measured = redigitize(session, shot);

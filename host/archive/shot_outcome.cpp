@@ -61,9 +61,13 @@ std::optional<std::string> never_digitized_remark(const StoredSession& session) 
   for (const Shot& shot : session.shots)
     if (never_digitized(shot) && !shot.summary->aborted) names.push_back(shot.name);
   if (names.empty()) return std::nullopt;
-  return fmt::format("the photograph{} of shot{} {} {} never digitized; strobe replay {} --complete does it",
-                     names.size() == 1 ? "" : "s", names.size() == 1 ? "" : "s", fmt::join(names, ", "),
-                     names.size() == 1 ? "was" : "were", session.folder.string());
+  return fmt::format("the photograph{} of shot{} {} {} never digitized", names.size() == 1 ? "" : "s",
+                     names.size() == 1 ? "" : "s", fmt::join(names, ", "),
+                     names.size() == 1 ? "was" : "were");
+}
+
+std::string completion_advice(const StoredSession& session) {
+  return "strobe replay " + session.folder.string() + " --complete digitizes what was not";
 }
 
 Result<Shot> reduced_by(const Shot& shot, reduction::Estimator estimator,

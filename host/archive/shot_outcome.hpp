@@ -25,9 +25,11 @@ void judge_again(Shot& shot);
 
 /// Whether its photograph is kept and was never digitized: the host ended before.
 bool never_digitized(const Shot& shot);
-/// Of the session's shots to which that happened, with the command that mends it; nullopt: there are none.
-/// Aborted shots, whose photographs measure nothing, are not told.
+/// Of the session's shots to which that happened; nullopt: there are none. Aborted shots, whose photographs
+/// measure nothing, are not told.
 std::optional<std::string> never_digitized_remark(const StoredSession& session);
+/// The command that mends it.
+std::string completion_advice(const StoredSession& session);
 
 // A stored shot's numbers by another estimator. Pure; thread-safe; allocates.
 

@@ -304,7 +304,7 @@ TEST(ReadSession, AsksForNoDigitizingOfAnAbortedShot) {
   for (const char* name : {"shot-0001-a.tif", "shot-0002-b.tif"})
     testing::write_text(folder / "photographs" / name, "x");
   const StoredSession session = read();
-  CHECK_TRUE_TEXT(told(session, "the photograph of shot 2 was never digitized; strobe replay "),
+  CHECK_TRUE_TEXT(told(session, "the photograph of shot 2 was never digitized"),
                   all_remarks(session).c_str());
 }
 
@@ -324,7 +324,7 @@ TEST(ReadSession, FindsPhotographsByTheFrameOrByTheirNames) {
               session.shots[0].photograph.value().string());
   CHECK_EQUAL((folder / "photographs/shot-0002-b.tif").string(),
               session.shots[1].photograph.value().string());
-  CHECK_TRUE_TEXT(told(session, "the photograph of shot 2 was never digitized; strobe replay "),
+  CHECK_TRUE_TEXT(told(session, "the photograph of shot 2 was never digitized"),
                   all_remarks(session).c_str());
   testing::write_text(folder / "photographs/shot-0002-c.tif", "x");
   session = read();
