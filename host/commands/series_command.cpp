@@ -1,7 +1,10 @@
 // strobe series: what the shots of one or several sessions say together.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -36,7 +39,7 @@ struct SeriesOptions {
   std::vector<std::string> sessions, by, over, where, without, compare;
   SessionOptions session;
   std::string budget;
-  std::optional<double> difference;
+  std::vector<std::string> differences;
   int draws = 0;
   bool all = false, json = false;
 };
@@ -46,10 +49,38 @@ struct NamedSession {
   StoredSession session;
 };
 
-std::optional<reduction::Quantity> quantity_of(const std::string& name) {
+std::optional<Quantity> quantity_of(const std::string& name) {
   const auto found = std::ranges::find(reduction::kQuantityNames, name);
   if (found == reduction::kQuantityNames.end()) return std::nullopt;
-  return static_cast<reduction::Quantity>(found - reduction::kQuantityNames.begin());
+  return static_cast<Quantity>(found - reduction::kQuantityNames.begin());
+}
+
+std::string no_quantity(const std::string& name) {
+  return fmt::format("no \"{}\" among {}", name, fmt::join(reduction::kQuantityNames, " "));
+}
+
+/// Of --difference: sizes by quantity, whose unit may be left out of its name. One number alone has a unit
+/// only where --budget names the quantity.
+Result<reduction::Quantities> asked_differences(const SeriesOptions& options) {
+  reduction::Quantities asked;
+  for (const std::string& text : options.differences) {
+    const std::size_t colon = text.find(':');
+    const std::string name = colon == text.npos ? options.budget : text.substr(0, colon);
+    const std::string number = text.substr(colon == text.npos ? 0 : colon + 1);
+    if (name.empty())
+      return fail("--difference " + text + ": of which quantity? As e:0.005 or omega_lo_radps:5");
+    const auto begins = [&](std::string_view known) { return known.starts_with(name + "_"); };
+    const bool is_short = std::ranges::count_if(reduction::kQuantityNames, begins) == 1;
+    const auto q =
+        quantity_of(is_short ? std::string(*std::ranges::find_if(reduction::kQuantityNames, begins)) : name);
+    if (!q) return fail("--difference " + text + ": " + no_quantity(name));
+    double size = 0.0;
+    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), size);
+    if (error != std::errc() || end != number.data() + number.size() || !(size > 0.0 && std::isfinite(size)))
+      return fail("--difference " + text + ": must be a number above 0");
+    asked[*q] = size;
+  }
+  return asked;
 }
 
 constexpr std::uint64_t kSeed = 1;
@@ -110,8 +141,8 @@ ordered_json shots_json(const ShotGroup& group) {
 class SeriesPrinter {
  public:
   SeriesPrinter(const std::vector<NamedSession>& sessions, const SelectedShots& selected,
-                const SeriesOptions& settings)
-      : sessions_(sessions), selected_(selected), settings_(settings) {}
+                const SeriesOptions& settings, const reduction::Quantities& differences)
+      : sessions_(sessions), selected_(selected), settings_(settings), differences_(differences) {}
 
   Result<void> run() {
     if (!settings_.json) head();
@@ -155,8 +186,7 @@ class SeriesPrinter {
   }
 
   void put(const ShotGroup& first, const ShotGroup& second) const {
-    const Comparison comparison =
-        compare(series_of(first.shots), series_of(second.shots), settings_.difference);
+    const Comparison comparison = compare(series_of(first.shots), series_of(second.shots), differences_);
     if (settings_.json) return print_json(comparison_json(first.name, second.name, comparison));
     print(render_comparison(first.name, second.name, comparison, kPlainWidth, settings_.all));
   }
@@ -208,6 +238,7 @@ class SeriesPrinter {
   const std::vector<NamedSession>& sessions_;
   const SelectedShots& selected_;
   const SeriesOptions& settings_;
+  const reduction::Quantities& differences_;
 };
 
 /// The last folder of the path, "run1" of "data/run1/".
@@ -236,8 +267,9 @@ Result<std::vector<NamedSession>> read(const SeriesOptions& options) {
     auto session = read_session(
         options.sessions[i], {options.session.rig_path, options.session.key_file, reading_notes(names[i])});
     if (!session) return tl::unexpected(session.error());
-    for (const std::string& remark : session->remarks)
-      std::fprintf(stderr, "strobe: %s: %s\n", names[i].c_str(), remark.c_str());
+    for (const auto& told : {session->remarks, session->advice})
+      for (const std::string& line : told)
+        std::fprintf(stderr, "strobe: %s: %s\n", names[i].c_str(), line.c_str());
     sessions.push_back({names[i], std::move(*session)});
   }
   return sessions;
@@ -268,6 +300,8 @@ std::string group_name(const std::string& given, const SeriesOptions& options) {
 int run_series(const SeriesOptions& options) {
   const auto selection = selection_of(options);
   if (!selection) return bad_input("series: " + selection.error().message);
+  const auto differences = asked_differences(options);
+  if (!differences) return bad_input("series: " + differences.error().message);
   const auto sessions = read(options);
   if (!sessions) return bad_input(sessions.error().message);
   std::vector<Shot> shots;
@@ -285,7 +319,7 @@ int run_series(const SeriesOptions& options) {
   }
   SeriesOptions settings = options;
   for (std::string& name : settings.compare) name = group_name(name, options);
-  const auto reported = SeriesPrinter(*sessions, *selected, settings).run();
+  const auto reported = SeriesPrinter(*sessions, *selected, settings, *differences).run();
   if (!reported) return bad_input("series: " + reported.error().message);
   const auto counts = [](const ShotGroup& group) {
     return std::ranges::any_of(group.shots, [](const Shot& shot) { return !shot.rejected; });
@@ -293,12 +327,7 @@ int run_series(const SeriesOptions& options) {
   return std::ranges::any_of(selected->groups, counts) ? kDone : kFailed;
 }
 
-std::string one_of_quantities(const std::string& name) {
-  if (quantity_of(name)) return "";
-  std::string names;
-  for (const std::string_view known : reduction::kQuantityNames) names += " " + std::string(known);
-  return "no \"" + name + "\" among" + names;
-}
+std::string one_of_quantities(const std::string& name) { return quantity_of(name) ? "" : no_quantity(name); }
 
 }  // namespace
 
@@ -315,11 +344,7 @@ void add_series_command(CLI::App& app, int& exit_status) {
                    "calibration, plan)")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command
-      ->add_option("--over", options->over,
-                   "what shots may differ in within one series, as temperature_c,operator")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  add_over_option(*command, options->over);
   command->add_option("--where", options->where, "only shots with this note, as spin=zero; may be repeated")
       ->allow_extra_args(false);
   command
@@ -333,10 +358,11 @@ void add_series_command(CLI::App& app, int& exit_status) {
           "difference of two series, A less B: names of sessions, or of --by's series as \"zero 23\"")
       ->expected(2);
   command
-      ->add_option("--difference", options->difference,
-                   "size of the difference, in each quantity's unit, that further shots are counted for "
-                   "(default: that found)")
-      ->check(CLI::PositiveNumber);
+      ->add_option("--difference", options->differences,
+                   "what further shots are to find, as e:0.005,omega_lo:5; a number alone is for --budget's "
+                   "quantity (default: the difference found)")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command
       ->add_option("--budget", options->budget,
                    "what the uncertainty of this quantity is made of, as vx_td_mps")
@@ -352,7 +378,7 @@ void add_series_command(CLI::App& app, int& exit_status) {
   command_line::for_experts(*command, {"--difference", "--monte-carlo", "--rig", "--key-file", "--all"});
   command->footer(
       "Example: strobe series run1 run2 --by spin,angle --without run1:7\n"
-      "         strobe series run1 run2 --compare run1 run2 --difference 0.01\n"
+      "         strobe series run1 run2 --compare run1 run2 --difference e:0.01\n"
       "Exit status: 0 done, 1 no shot counted, 2 bad usage or input.");
   command->callback([options, &exit_status] { exit_status = run_series(*options); });
 }

@@ -1,13 +1,16 @@
 #include "host/commands/shared_options.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "common/authentication/key_file.hpp"
 #include "common/wire/lcm_url.hpp"
 #include "host/clock/machine_clock.hpp"
+#include "host/series/select.hpp"
 
 namespace strobe::host {
 
@@ -42,6 +45,22 @@ void add_session_options(CLI::App& command, SessionOptions& options) {
       "its seal is shown as unverified");
 }
 
+void add_over_option(CLI::App& command, std::vector<std::string>& over) {
+  command
+      .add_option(
+          "--over", over,
+          "what shots of one mean may differ in, as operator,temperature_c (default: nothing of spin, "
+          "angle, surface, ball, operator, temperature, rig, calibration and plan)")
+      ->delimiter(',')
+      ->type_name("NOTES")
+      ->check([](const std::string& word) {
+        const bool known = std::ranges::find(kConditionKeys, note_key(word)) != kConditionKeys.end();
+        return known ? std::string()
+                     : fmt::format("no \"{}\" among {}", word, fmt::join(kConditionKeys, " "));
+      })
+      ->allow_extra_args(false);
+}
+
 std::function<void(double share)> reading_notes(const std::string& name) {
   return [name, told = steady_now()](double share) mutable {
     constexpr Duration kEvery = std::chrono::seconds{2};
@@ -56,6 +75,7 @@ Result<StoredSession> read_for(Terminal& terminal, const std::string& folder, co
   auto session = read_session(folder, {options.rig_path, options.key_file, reading_notes(folder)});
   if (!session) return session;
   for (const std::string& remark : session->remarks) terminal.note(remark);
+  for (const std::string& advice : session->advice) terminal.note(advice);
   return session;
 }
 

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/authentication/key.hpp"
 #include "common/result.hpp"
@@ -37,6 +38,9 @@ struct SessionOptions {
 
 /// Adds --rig and --key-file.
 void add_session_options(CLI::App& command, SessionOptions& options);
+
+/// Adds --over: what shots of one mean may differ in, of kConditionKeys.
+void add_over_option(CLI::App& command, std::vector<std::string>& over);
 
 /// Tells a person at a terminal every two seconds how much of the session has been read.
 std::function<void(double share)> reading_notes(const std::string& name);

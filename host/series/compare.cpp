@@ -43,7 +43,8 @@ struct Variances {
 /// The fewest shots of each, no fewer than there are, by which the difference is found.
 void count_shots(const Variances& v, int n1, int n2, QuantityDifference& d) {
   const auto found_by = [&](int n) { return v.find(d.asked, std::max(n, n1), std::max(n, n2)); };
-  if (!(d.asked > 0.0) || !found_by(kMaxShots)) return;
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  if (!(d.asked > 0.0) || !v.find(d.asked, kAny, kAny)) return;
   int few = 1, many = kMaxShots;
   if (found_by(2)) many = 2;
   while (many - few > 1) {
@@ -86,6 +87,7 @@ QuantityDifference difference_of(const QuantitySummary& a, const QuantitySummary
     d.p_value = statistics::student_t_tail(std::abs(d.difference) / d.total_sd, freedom);
   else
     d.p_value = d.difference == 0.0 ? 1.0 : 0.0;
+  d.is_asked = asked.has_value();
   d.asked = asked.value_or(std::abs(d.difference));
   count_shots(v, a.n, b.n, d);
   return d;
@@ -93,7 +95,7 @@ QuantityDifference difference_of(const QuantitySummary& a, const QuantitySummary
 
 }  // namespace
 
-Comparison compare(const Series& first, const Series& second, std::optional<double> difference) {
+Comparison compare(const Series& first, const Series& second, const reduction::Quantities& asked) {
   Comparison comparison;
   const SeriesSummary a = first.summary(""), b = second.summary("");
   const SharedEffects shared_a = first.shared_effects(), shared_b = second.shared_effects();
@@ -101,7 +103,8 @@ Comparison compare(const Series& first, const Series& second, std::optional<doub
     const bool known = a.quantities[q].shared_known && b.quantities[q].shared_known;
     if (a.quantities[q].n < 2 || b.quantities[q].n < 2 || !known) continue;
     comparison.quantities[q] =
-        difference_of(a.quantities[q], b.quantities[q], shared_variance(shared_a, shared_b, q), difference);
+        difference_of(a.quantities[q], b.quantities[q], shared_variance(shared_a, shared_b, q),
+                      asked[static_cast<reduction::Quantity>(q)]);
   }
   return comparison;
 }

@@ -19,10 +19,12 @@ struct QuantityDifference {
   double expanded_uncertainty = 0.0;         ///< half width of the 95 % interval
   bool decided = false;                      ///< the interval does not hold 0
   double p_value = 1.0;                      ///< probability of as large a difference if there were none
-  /// Further shots that each series needs until a difference of `asked` is found with a probability of 80 %;
-  /// 0: it has enough; absent: no number of shots would do, since what they share is too uncertain.
+  /// Further shots that each series needs until a difference of `asked` is found with a probability of 80 %,
+  /// counted up to a million of each; 0: it has enough; absent: no number of shots would do, since what they
+  /// share is too uncertain.
   std::optional<int> more_first, more_second;
-  double asked = 0.0;  ///< > 0
+  double asked = 0.0;     ///< > 0; 0: none was asked for, and none found
+  bool is_asked = false;  ///< by the caller
 };
 
 struct Comparison {
@@ -35,8 +37,8 @@ struct Comparison {
 
 inline constexpr double kPower = 0.8;
 
-/// Of the quantities of which both series have two shots, all with their budgets. `difference`: the size that
-/// shots are counted for, in the quantity's unit, > 0; absent: that which was found.
-Comparison compare(const Series& first, const Series& second, std::optional<double> difference = {});
+/// Of the quantities of which both series have two shots, all with their budgets. `asked`: the sizes that
+/// shots are counted for, each in its quantity's unit, > 0; absent: that which was found.
+Comparison compare(const Series& first, const Series& second, const reduction::Quantities& asked = {});
 
 }  // namespace strobe::host

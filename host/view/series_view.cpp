@@ -62,9 +62,24 @@ std::string shots_words(const SeriesSummary& summary) {
 }
 
 std::string more_words(const QuantityDifference& d) {
+  constexpr int kMost = 10000;  // nobody fires more
   if (!d.more_first) return d.asked > 0.0 ? "no number" : "-";
   if (*d.more_first == 0 && *d.more_second == 0) return "enough";
+  if (std::max(*d.more_first, *d.more_second) > kMost) return "more than 10,000";
   return fmt::format("{} + {}", *d.more_first, *d.more_second);
+}
+
+/// What the further shots are counted for.
+std::string asked_words(const Comparison& comparison) {
+  std::string words;
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto& d = comparison.quantities[i];
+    if (!d || !d->is_asked) continue;
+    const QuantityLabel& label = kQuantityLabels[i];
+    words += fmt::format("{}{:g}{}{} in {}", words.empty() ? "(further shots: to find " : ", ", d->asked,
+                         label.unit.empty() ? "" : " ", label.unit, label.words);
+  }
+  return words.empty() ? words : words + "; in others the difference found)";
 }
 
 std::string agreement_words(const reduction::DrawnNumber& d) {
@@ -146,11 +161,13 @@ Lines render_comparison(const std::string& first, const std::string& second, con
     lines.push_back(label_cells(q) + cell(d->difference, d->total_sd) +
                     cell(d->expanded_uncertainty, d->total_sd) + cell(d->total_sd, d->total_sd) +
                     cell(d->standard_error, d->total_sd) + cell(d->shared_sd, d->total_sd) +
-                    right(fmt::format("{:.2g}", d->p_value), kNumberWidth) + "  " + left(more_words(*d), 14) +
+                    right(fmt::format("{:.2g}", d->p_value), kNumberWidth) + "  " + left(more_words(*d), 18) +
                     (d->decided ? "differs" : "not decided"));
   }
   if (!any)
     return fitted({fmt::format("{} less {}: two counted shots of each are needed", first, second)}, width);
+  if (const std::string asked = asked_words(comparison); !asked.empty())
+    for (std::string& line : wrapped(asked, width)) lines.push_back(std::move(line));
   return fitted(std::move(lines), width);
 }
 

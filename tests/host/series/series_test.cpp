@@ -214,6 +214,12 @@ using reduction::Quantity;
 
 namespace {
 
+reduction::Quantities to_find(double vx) {
+  reduction::Quantities asked;
+  asked[Quantity::vx_td_mps] = vx;
+  return asked;
+}
+
 QuantityDifference vx(const Comparison& comparison) { return *comparison.of(Quantity::vx_td_mps); }
 
 const std::vector<double> kFirst{10.0, 12.0, 14.0}, kSecond{20.0, 21.0, 22.0, 23.0};
@@ -256,17 +262,28 @@ TEST(Comparison, NeedsTwoShotsOfEach) {
 TEST(Comparison, CountsTheShotsThatWouldDecide) {
   const double a = std::sqrt(0.5);  // two values at ±a have sd 1
   const auto first = series_of(series_shots({-a, a})), second = series_of(series_shots({-a, a}));
-  const QuantityDifference d = vx(compare(first, second, 1.0));
+  const QuantityDifference d = vx(compare(first, second, to_find(1.0)));
   CHECK_EQUAL(15, d.more_first.value());
   CHECK_EQUAL(15, d.more_second.value());
   CHECK_FALSE(vx(compare(first, second)).more_first.has_value());  // none was found
 }
 
+// Of one quantity alone: the other's shots are counted for the difference found, which is 0.
+TEST(Comparison, CountsForADifferenceOfTheQuantityThatItIsAskedOf) {
+  const auto first = series_of(series_shots({-1.0, 1.0})), second = series_of(series_shots({-1.0, 1.0}));
+  const auto comparison = compare(first, second, to_find(1.0));
+  CHECK_TRUE(vx(comparison).is_asked);
+  CHECK_FALSE(comparison.of(Quantity::e)->is_asked);
+  DOUBLES_EQUAL(0.0, comparison.of(Quantity::e)->asked, 0.0);
+  // sd sqrt 2, no shared part: 2 * 2 (2.8 / 1e-3)^2, 31 million, is beyond what is counted, but enough would do.
+  CHECK_EQUAL(1000000 - 2, vx(compare(first, second, to_find(1e-3))).more_first.value());
+}
+
 TEST(Comparison, SaysWhereNoNumberOfShotsWouldDo) {
   auto first = series_shots({-1.0, 1.0}, 0.5), second = series_shots({-1.0, 1.0});
   CHECK_FALSE(
-      vx(compare(series_of(first), series_of(second), 1.4)).more_first.has_value());  // 2.80 * 0.5 = 1.4007
-  CHECK_TRUE(vx(compare(series_of(first), series_of(second), 1.5)).more_first.has_value());
+      vx(compare(series_of(first), series_of(second), to_find(1.4))).more_first.has_value());  // 2.80 * 0.5 = 1.4007
+  CHECK_TRUE(vx(compare(series_of(first), series_of(second), to_find(1.5))).more_first.has_value());
 }
 
 TEST(Comparison, AsksForNoMoreOfSeriesThatHaveEnough) {

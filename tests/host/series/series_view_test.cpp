@@ -62,6 +62,18 @@ TEST(SeriesView, ComparesAndSaysWhatWouldDecide) {
   CHECK_EQUAL(1U, render_comparison("a", "b", compare(first, Series{}), 120).size());
 }
 
+TEST(SeriesView, SaysWhatFurtherShotsAreToFindAndInWordsWhereNobodyFiresSoMany) {
+  const Series first = series_of(series_shots({10.0, 12.0, 14.0}));
+  const Series second = series_of(series_shots({11.0, 12.0, 14.0}));
+  reduction::Quantities asked;
+  asked[Quantity::vx_td_mps] = 0.01;
+  const auto lines = render_comparison("a", "b", compare(first, second, asked), 120);
+  STRCMP_CONTAINS("more than 10,000 not decided", row(lines, "vx touchdown").c_str());
+  CHECK_EQUAL("(further shots: to find 0.01 m/s in vx touchdown; in others the difference found)", lines.back());
+  for (const std::string& line : lines) CHECK_TRUE(line.find("…") == line.npos);
+  CHECK_TRUE(row(render_comparison("a", "b", compare(first, second), 120), "(further").empty());
+}
+
 TEST(SeriesView, TellsAProgramTheSame) {
   const auto json = series_json(example(), std::nullopt);
   CHECK_EQUAL(3, json["counted"].get<int>());
