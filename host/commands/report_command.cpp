@@ -16,7 +16,6 @@
 #include "host/commands/terminal.hpp"
 #include "host/report/pdf.hpp"
 #include "host/report/report.hpp"
-#include "host/series/select.hpp"
 
 namespace strobe::host {
 
@@ -34,6 +33,7 @@ struct ReportOptions {
   Statements statements;
   bool pdf = false;
   bool all = false;
+  bool thesis = false;
   bool json = false;
 };
 
@@ -129,7 +129,8 @@ int run_report(const ReportOptions& options) {
     if (!session) return bad_input(session.error().message);
     input->sessions.push_back(*std::move(session));
   }
-  const auto thesis = report::shipped_thesis();
+  const auto thesis = options.thesis ? report::shipped_thesis() : std::nullopt;
+  if (options.thesis && !thesis) return failed("report: --thesis: its tables are not installed");
   input->thesis = thesis ? &*thesis : nullptr;
   ReportProgress progress;
   input->progress = [&](std::size_t done, std::size_t of, const std::string& at) {
@@ -180,19 +181,11 @@ void add_report_command(CLI::App& app, int& exit_status) {
                    "guarded: guard bands as wide as the expanded uncertainty; simple: simple acceptance")
       ->check(CLI::IsMember({"guarded", "simple"}))
       ->capture_default_str();
-  command
-      ->add_option(
-          "--over", options->over,
-          "What shots of one condition may differ in, as operator,temperature_c (default: nothing of "
-          "spin, angle, surface, ball, operator, temperature, rig, calibration and plan)")
-      ->delimiter(',')
-      ->type_name("NOTES")
-      ->check([](const std::string& key) {
-        const bool known = std::ranges::find(kConditionKeys, key) != kConditionKeys.end();
-        return known ? std::string() : fmt::format("no \"{}\" among {}", key, fmt::join(kConditionKeys, " "));
-      })
-      ->allow_extra_args(false);
+  add_over_option(*command, options->over);
   command->add_flag("--all", options->all, "All quantities, and every condition's full budgets and figures");
+  command->add_flag(
+      "--thesis", options->thesis,
+      "The reference thesis's means beside one's own, and its figures of the images in contact");
   command->add_flag("--json", options->json,
                     "The whole report as one JSON object on standard output; a file only with --out");
   add_session_options(*command, options->session);

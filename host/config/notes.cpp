@@ -58,12 +58,38 @@ std::optional<double> note_number(const reduction::Record& record, std::string_v
   return value;
 }
 
-std::optional<std::string> statement_problem(const StatementKey& key, const std::string& text) {
+namespace {
+
+std::optional<std::string> text_problem(const std::string& text, bool is_day) {
   if (note_problem("text", text)) return "must be plain UTF-8 text of at most 1024 bytes on one line";
-  const bool is_day = key.id == "received" || key.id == "issued";
   if (is_day && !text.empty() && !days_since(text, WallTime{}))
     return "must be a day as 2026-11-21, not \"" + text + "\"";
   return std::nullopt;
+}
+
+std::string instrument_text(config::TomlTable& table, const char* key, bool is_day = false) {
+  const std::string text = table.string_or(key, "");
+  if (const auto problem = text_problem(text, is_day)) table.error_at(key, *problem);
+  return text;
+}
+
+}  // namespace
+
+std::optional<std::string> statement_problem(const StatementKey& key, const std::string& text) {
+  return text_problem(text, key.id == "received" || key.id == "issued");
+}
+
+std::vector<Instrument> read_instruments(config::TomlTable report) {
+  std::vector<Instrument> instruments;
+  for (config::TomlTable& table : report.tables("instrument")) {
+    Instrument each{instrument_text(table, "name"), instrument_text(table, "certificate"),
+                    instrument_text(table, "calibrated", true), instrument_text(table, "due", true)};
+    if (each.name.empty()) table.error_at("name", "must say which instrument it is");
+    if (!each.due.empty() && each.due < each.calibrated)
+      table.error_at("due", "must not be before the day of calibration");
+    instruments.push_back(std::move(each));
+  }
+  return instruments;
 }
 
 Statements read_statements(config::TomlTable root) {

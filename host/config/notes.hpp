@@ -1,7 +1,7 @@
 // The record of a session: notes "key = value" from the rig file's [record], the command line and the
-// firmware. And what a laboratory states of itself and of a job, for a report: the rig file's [laboratory]
-// and [report], which strobed and the analysis do not use. Text on one line each. Constants and pure
-// functions; thread-safe. Source of the statements: ISO/IEC 17025:2017, 7.8.2 and 7.8.3.
+// firmware. And what a laboratory states of itself, of a job and of its instruments, for a report: the rig
+// file's [laboratory] and [report], which strobed and the analysis do not use. Text on one line each.
+// Constants and pure functions; thread-safe. Source of the statements: ISO/IEC 17025:2017, 7.8.2 and 7.8.3.
 #pragma once
 
 #include <array>
@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/config/toml_reader.hpp"
 #include "common/reduction/frame.hpp"
@@ -80,7 +81,15 @@ using Statements = std::map<std::string, std::string>;
 /// `issued` are days as 2026-11-21.
 std::optional<std::string> statement_problem(const StatementKey& key, const std::string& text);
 
+/// A [[report.instrument]]: what a result is traced to. Texts as of statements; empty: not stated.
+struct Instrument {
+  std::string name;             ///< with its number; never empty
+  std::string certificate;      ///< of its calibration
+  std::string calibrated, due;  ///< days, as 2026-11-21; `due` is not before `calibrated`
+};
+
 /// Reads both tables; what is wrong is reported to the document's reader. Empty texts state nothing.
 Statements read_statements(config::TomlTable root);
+std::vector<Instrument> read_instruments(config::TomlTable report);
 
 }  // namespace strobe::host

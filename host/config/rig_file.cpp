@@ -131,6 +131,7 @@ Result<RigFile> read_rig(std::string_view text, const std::string& file_name) {
   rig.camera = read_camera(root.table("camera"));
   rig.record = read_record(root.table("record"));
   rig.statements = read_statements(root);
+  rig.instruments = read_instruments(root.table("report"));
   rig.commission = read_commission(root.table("commission"));
   rig.plan = read_plan_table(root.table("plan"), {});
   TomlTable machine = root.table("machine");

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/config/toml_reader.hpp"
 #include "common/flight/gravity.hpp"
@@ -76,7 +77,8 @@ struct RigFile {
   AnalysisSettings analysis;
   CameraTable camera;
   reduction::Record record;
-  Statements statements;  ///< for reports
+  Statements statements;                ///< for reports
+  std::vector<Instrument> instruments;  ///< likewise
   CommissionTable commission;
   PlanFile plan;
   PlanLimits limits;                      ///< as far as the file names them

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "common/config/files.hpp"
 #include "host/figures/escape.hpp"
@@ -19,7 +21,8 @@ constexpr double kRight = 12.0;
 constexpr double kTop = 22.0;
 constexpr double kBottom = 40.0;
 constexpr double kLegendLine = 17.0;
-constexpr double kMark = 3.2;  // half the size of a mark
+constexpr double kMark = 3.2;     // half the size of a mark
+constexpr double kLetter = 0.62;  // width of a letter, on average, over the font's size
 
 double panel_height(int columns) { return columns == 1 ? 270.0 : columns == 2 ? 235.0 : 146.0; }
 
@@ -116,6 +119,17 @@ std::string band_of(const Series& series, const Frame& frame) {
                      series.colour);
 }
 
+/// Font size and middle of an upright label: about the frame's, but within the panel, and smaller where it is
+/// too long for that.
+std::pair<double, double> upright_place(const std::string& label, const Frame& frame) {
+  const double low = frame.top - kTop + 2.0, high = frame.bottom + kBottom - 2.0;
+  const double letters = static_cast<double>(std::max<std::size_t>(1, label.size()));
+  const double size = std::min(11.0, (high - low) / (kLetter * letters));
+  const double half = 0.5 * kLetter * letters * size;
+  return {std::round(10.0 * size) / 10.0,
+          std::clamp(0.5 * (frame.top + frame.bottom), low + half, std::max(low + half, high - half))};
+}
+
 std::string axes(const ChartPanel& panel, const Frame& frame) {
   std::string out;
   for (const Tick& tick : frame.y.ticks) {
@@ -123,20 +137,24 @@ std::string axes(const ChartPanel& panel, const Frame& frame) {
     out += line(frame.left, y, frame.right, y, "#e2e2e2", 0.7);
     out += text(frame.left - 5, y + 3.5, "end", 10, tick.text);
   }
+  double free = frame.left - kLeft;  // of labels, which do not overlap
   for (const Tick& tick : frame.x.ticks) {
     const double x = frame.at_x(tick.at);
     out += line(x, frame.bottom, x, frame.bottom + 4, "#444444", 0.8);
+    const double half = 0.5 * kLetter * 10.0 * static_cast<double>(tick.text.size());
+    if (x - half < free) continue;
     out += text(x, frame.bottom + 15, "middle", 10, tick.text);
+    free = x + half + 3.0;
   }
   if (panel.panel.zero_line && frame.y.low < 0.0 && frame.y.high > 0.0)
     out += line(frame.left, frame.at_y(0.0), frame.right, frame.at_y(0.0), "#888888", 0.9);
   out += line(frame.left, frame.bottom, frame.right, frame.bottom, "#444444", 1.0);
   out += line(frame.left, frame.top, frame.left, frame.bottom, "#444444", 1.0);
-  const double middle = 0.5 * (frame.top + frame.bottom);
   out += text(0.5 * (frame.left + frame.right), frame.bottom + 31, "middle", 11, panel.panel.x_label);
   const double at = frame.left - kLeft + 12;
-  out += text(at, middle, "middle", 11, panel.panel.y_label,
-              fmt::format(" transform=\"rotate(-90 {:.1f} {:.1f})\"", at, middle));
+  const auto [size, centre] = upright_place(panel.panel.y_label, frame);
+  out += text(at, centre, "middle", size, panel.panel.y_label,
+              fmt::format(" transform=\"rotate(-90 {:.1f} {:.1f})\"", at, centre));
   if (!panel.panel.title.empty())
     out += text(0.5 * (frame.left + frame.right), frame.top - 8, "middle", 11, panel.panel.title,
                 " font-weight=\"bold\"");
@@ -180,25 +198,34 @@ std::string legend_of(const std::vector<const Series*>& entries, int columns, do
   return out;
 }
 
-/// above: room for a title over the panels, drawn as `head`.
-std::string drawing(const Chart& chart, double above, const std::string& head) {
-  const int columns =
-      std::max(1, std::min(chart.columns, std::max(1, static_cast<int>(chart.panels.size()))));
-  const double width = kWidth / columns, height = panel_height(columns);
+std::vector<const Series*> legend_entries(std::span<const ChartPanel> panels) {
   std::vector<const Series*> entries;
-  for (const ChartPanel& panel : chart.panels)
+  for (const ChartPanel& panel : panels)
     for (const Series& series : panel.panel.series)
       if (!series.legend.empty()) entries.push_back(&series);
+  return entries;
+}
+
+std::size_t panels_in_a_row(const Chart& chart) {
+  return std::clamp<std::size_t>(chart.panels.size(), 1,
+                                 static_cast<std::size_t>(std::max(1, chart.columns)));
+}
+
+/// Of some of the chart's panels, whole rows. above: room for a title over them, drawn as `head`.
+std::string drawing(const Chart& chart, std::span<const ChartPanel> panels,
+                    const std::vector<const Series*>& entries, double above, const std::string& head) {
+  const std::size_t columns = panels_in_a_row(chart);
+  const double width = kWidth / static_cast<double>(columns),
+               height = panel_height(static_cast<int>(columns));
   std::string body;
-  for (std::size_t i = 0; i < chart.panels.size(); ++i) {
-    const double x = width * static_cast<double>(i % static_cast<std::size_t>(columns));
-    const double y = above + height * static_cast<double>(i / static_cast<std::size_t>(columns));
-    const ChartPanel& panel = chart.panels[i];
-    const Frame frame{x + kLeft, y + kTop, x + width - kRight, y + height - kBottom, panel.x, panel.y};
-    body += panel_of(panel, frame);
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    const double x = width * static_cast<double>(i % columns);
+    const double y = above + height * static_cast<double>(i / columns);
+    const Frame frame{x + kLeft,   y + kTop,   x + width - kRight, y + height - kBottom,
+                      panels[i].x, panels[i].y};
+    body += panel_of(panels[i], frame);
   }
-  const auto rows =
-      (chart.panels.size() + static_cast<std::size_t>(columns) - 1) / static_cast<std::size_t>(columns);
+  const std::size_t rows = (panels.size() + columns - 1) / columns;
   const double below = above + height * static_cast<double>(rows);
   const int legend_columns = std::max(1, chart.legend_columns);
   const auto lines = (entries.size() + static_cast<std::size_t>(legend_columns) - 1) /
@@ -215,7 +242,17 @@ std::string number(double value) { return std::isfinite(value) ? fmt::format("{}
 
 }  // namespace
 
-std::string svg_of(const Chart& chart) { return drawing(chart, 0.0, ""); }
+std::vector<std::string> svg_rows(const Chart& chart) {
+  const std::size_t columns = panels_in_a_row(chart);
+  std::vector<std::string> rows;
+  for (std::size_t from = 0; from == 0 || from < chart.panels.size(); from += columns) {
+    const auto row = std::span(chart.panels).subspan(from, std::min(columns, chart.panels.size() - from));
+    const bool last = from + columns >= chart.panels.size();
+    rows.push_back(
+        drawing(chart, row, last ? legend_entries(chart.panels) : std::vector<const Series*>{}, 0.0, ""));
+  }
+  return rows;
+}
 
 std::string csv_text(const Figure& figure) {
   std::string out = "series,x,y,low,high\n";
@@ -245,7 +282,9 @@ Result<void> write_figure(const Figure& figure, const std::filesystem::path& fol
                            text(12, 18, "start", 13, title, " font-weight=\"bold\"") +
                            text(12, 34, "start", 10, figure.caption, " fill=\"#555555\"");
   if (auto written = config::write_file(folder / (stem + ".csv"), csv_text(figure)); !written) return written;
-  return config::write_file(folder / (stem + ".svg"), drawing(make_chart(stem, figure), kHead, head));
+  const Chart chart = make_chart(stem, figure);
+  return config::write_file(folder / (stem + ".svg"),
+                            drawing(chart, chart.panels, legend_entries(chart.panels), kHead, head));
 }
 
 }  // namespace strobe::figures

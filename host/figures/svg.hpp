@@ -4,14 +4,16 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "common/result.hpp"
 #include "host/figures/figure.hpp"
 
 namespace strobe::figures {
 
-/// To stand within HTML, which has its title and caption: no script, no style of its own, nothing loaded.
-std::string svg_of(const Chart& chart);
+/// A drawing for each row of panels, the legend in the last, to stand within HTML, which has title and
+/// caption: no script, no style of its own, nothing loaded.
+std::vector<std::string> svg_rows(const Chart& chart);
 
 /// Columns series,x,y,low,high; series apart by two blank lines, numbers shortest-round-trip, no value where
 /// there is none.

@@ -185,9 +185,10 @@ void add(Section& section, const ConditionGroup& group, const ReportInput& input
   inputs.used.contact[own->name()] = std::move(images.set);
   auto figures = thesis::make_figures(inputs, {own->name()});
   if (!figures) return;
-  section.blocks.emplace_back(
-      Paragraph{"images_" + group.key, fmt::format("{}: {} images in contact of {} shots.", group.label,
-                                                   images.images, group.counted.size())});
+  section.blocks.emplace_back(Paragraph{
+      "images_" + group.key,
+      fmt::format("{}: {} images in contact of {} shots.", group.label, images.images, group.counted.size()),
+      false, true});
   const std::set<int> essential{4, 5, 6, 13, 16};
   for (figures::Figure& figure : *figures)
     if (all || essential.contains(figure.number))

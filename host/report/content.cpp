@@ -143,6 +143,10 @@ void set_days(Content& content) {
 
 bool is_known_spin(const std::string& spin) { return rank_of(spin) < static_cast<int>(kSpins.size()); }
 
+bool is_overdue(const host::Instrument& instrument, const Content& content) {
+  return !instrument.due.empty() && instrument.due < content.last_day;
+}
+
 std::string folder_name(const StoredSession& session) {
   const auto whole = std::filesystem::absolute(session.folder).lexically_normal();
   return (whole.has_filename() ? whole : whole.parent_path()).filename().string();

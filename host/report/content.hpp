@@ -77,6 +77,9 @@ struct Content {
   std::vector<std::pair<const host::StoredSession*, std::string>> sessions() const;
 };
 
+/// Whether its calibration was due before the tests ended.
+bool is_overdue(const host::Instrument& instrument, const Content& content);
+
 /// The last part of its path.
 std::string folder_name(const host::StoredSession& session);
 

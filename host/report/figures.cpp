@@ -48,11 +48,19 @@ Series level(const char* what, double y, double to, Stroke stroke, const char* c
           .points = {{0.5, y}, {to, y}}};
 }
 
+/// What of the shot's uncertainty others do not share; kNoValue without its budget.
+double own_sd(const ReportShot& shot, Quantity q) {
+  double variance = 0.0;
+  for (const reduction::BudgetSource& source : shot.in_series->budget.sources)
+    if (!reduction::is_shared(source.source)) variance += source.of(q) * source.of(q);
+  return shot.in_series->budget.sources.empty() ? figures::kNoValue : std::sqrt(variance);
+}
+
 /// Every shot that has the number, in order of firing; those that do not count are open marks.
 Panel run_panel(const Content& content, const ConditionGroup& group, Quantity q, bool legend) {
   Panel panel{.x_label = "shot", .y_label = axis_name(q)};
   Series counted{.name = "shots",
-                 .legend = legend ? "shot ± sd" : "",
+                 .legend = legend ? "shot ± sd of its own noise" : "",
                  .stroke = Stroke::points,
                  .colour = colour_of(group.spin),
                  .symbol = symbol_of(group.spin)};
@@ -64,7 +72,7 @@ Panel run_panel(const Content& content, const ConditionGroup& group, Quantity q,
   for (std::size_t i = 0; i < group.shots.size(); ++i) {
     const auto& readout = group.shots[i].shot->readout;
     if (!readout.value[q]) continue;
-    const double y = *readout.value[q], sd = readout.sd[q].value_or(figures::kNoValue);
+    const double y = *readout.value[q], sd = own_sd(group.shots[i], q);
     (group.shots[i].counts ? counted : others)
         .points.push_back({static_cast<double>(i + 1), y, y - sd, y + sd});
   }
@@ -90,7 +98,9 @@ Panel run_panel(const Content& content, const ConditionGroup& group, Quantity q,
 Chart run_chart(const Content& content, const ConditionGroup& group) {
   Figure figure{.number = 0,
                 .title = "Run charts: " + group.label,
-                .caption = "shots in the order of firing; dotted, red: limits that were asked for",
+                .caption =
+                    "shots in the order of firing; bars: what of a shot's uncertainty the others do not "
+                    "share; dotted, red: limits that were asked for",
                 .columns = 3};
   std::vector<std::string> names;
   for (const ReportShot& each : group.shots) names.push_back(each.shot->name);
@@ -128,7 +138,8 @@ Chart scatter_chart(const Content& content, const char* key, std::string title,
   Figure figure{
       .number = 0,
       .title = std::move(title),
-      .caption = "one point a shot that counts; grey: the thesis's means of the same conditions ± sd",
+      .caption = std::string("one point a shot that counts") +
+                 (content.input.thesis ? "; grey: the thesis's means of the same conditions ± sd" : ""),
       .columns = static_cast<int>(pairs.size()),
       .legend_columns = 4};
   for (const auto& [x, y] : pairs) {

@@ -1,5 +1,6 @@
 // A report as HTML.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -36,21 +37,24 @@ h1 { font-size: 17pt; line-height: 1.2; margin: 0 0 1mm 0; }
 h2 { font-size: 12.5pt; margin: 8mm 0 2mm 0; padding-bottom: 0.8mm; border-bottom: 0.4mm solid #1f4e79; color: #1f4e79;
      break-after: avoid; }
 h3 { font-size: 10.5pt; margin: 5mm 0 1.5mm 0; break-after: avoid; }
-p { margin: 1.5mm 0; }
+p { margin: 1.5mm 0; orphans: 3; widows: 3; }
+p.lead { break-after: avoid; }
 .id { font-size: 10.5pt; margin: 0 0 5mm 0; color: #333; }
 .strong { font-weight: bold; }
 table { border-collapse: collapse; width: 100%; margin: 1.5mm 0 1mm 0; font-size: 8pt; line-height: 1.3; }
 thead { display: table-header-group; break-after: avoid; }
-caption { text-align: left; font-weight: bold; font-size: 9pt; padding: 2mm 0 1mm 0; caption-side: top; }
+caption { break-after: avoid; text-align: left; font-weight: bold; font-size: 9pt; padding: 2mm 0 1mm 0; caption-side: top; }
 th { text-align: right; vertical-align: bottom; font-weight: bold; border-bottom: 0.3mm solid #555; padding: 0.6mm 1mm; }
 th .unit { font-weight: normal; color: #555; display: block; }
 td { padding: 0.5mm 1mm; vertical-align: top; text-align: right; white-space: nowrap; }
 th.words, td.words { text-align: left; white-space: normal; overflow-wrap: anywhere; }
 th.short, td.short { white-space: nowrap; }
+td.hash { white-space: nowrap; font-size: 6.5pt; }
 table.wide { font-size: 7pt; }
 table.wide th, table.wide td { padding-left: 0.5mm; padding-right: 0.5mm; }
 tr { break-inside: avoid; }
-tr.follows { break-before: avoid; }
+table.short, table.facts, tbody.group { break-inside: avoid; }
+.note { break-before: avoid; }
 tr.begins td { border-top: 0.2mm solid #bbb; }
 tr.beside td { color: #5a5a5a; font-style: italic; }
 .note { font-size: 8pt; color: #444; margin: 0.5mm 0; }
@@ -59,9 +63,9 @@ table.facts td { text-align: left; white-space: normal; border-bottom: 0.15mm so
 table.facts td.label { width: 48mm; color: #444; }
 table.facts td.value { overflow-wrap: anywhere; }
 .missing { color: #9a3412; font-style: italic; }
-figure { margin: 3mm 0; break-inside: avoid; }
-figure svg { width: 100%; height: auto; display: block; }
-figcaption { font-size: 8.5pt; margin-bottom: 1mm; }
+figure { margin: 3mm 0; }
+figure svg { width: 100%; height: auto; display: block; break-inside: avoid; }
+figcaption { font-size: 8.5pt; margin-bottom: 1mm; break-after: avoid; }
 figcaption .title { font-weight: bold; }
 pre { font: 7pt/1.3 "DejaVu Sans Mono", monospace; white-space: pre-wrap; overflow-wrap: anywhere; background: #f6f6f6;
       padding: 2mm; margin: 1mm 0; }
@@ -70,8 +74,8 @@ table.shot td { text-align: left; white-space: normal; padding: 1mm 0; }
 .shot .title { font-weight: bold; font-size: 9pt; margin: 0 0 1mm 0; }
 .shot.rejected .title { color: #9a3412; }
 table.card { margin: 0; }
-table.card td.picture { width: 118mm; padding: 0 3mm 0 0; }
-table.card td.picture img { width: 118mm; height: auto; display: block; }
+table.card td.picture { width: 104mm; padding: 0 3mm 0 0; }
+table.card td.picture img { max-width: 104mm; max-height: 66mm; width: auto; height: auto; display: block; }
 table.card td.numbers { padding: 0; }
 .shot table.facts { font-size: 7.5pt; margin: 0; }
 .shot table.facts td { padding: 0.25mm 0.8mm; }
@@ -80,7 +84,7 @@ table.card td.numbers { padding: 0; }
 table.signature { margin-top: 14mm; }
 table.signature td { text-align: left; border-top: 0.3mm solid #333; padding: 1mm; white-space: normal; font-size: 8.5pt; }
 table.signature td.gap { border: none; width: 8mm; }
-.end { text-align: center; margin: 8mm 0 2mm 0; font-weight: bold; break-inside: avoid; }
+.end { break-before: avoid; text-align: center; margin: 8mm 0 2mm 0; font-weight: bold; break-inside: avoid; }
 )";
 
 /// Numbers printed pages and names the report on each. `id`: letters, digits and - only.
@@ -108,9 +112,11 @@ std::string facts_table(const std::vector<Fact>& facts) {
   return facts.empty() ? std::string() : out + "</table>\n";
 }
 
-/// Short words stay on one line, so that columns of numbers do not squeeze them.
+/// Short words stay on one line, so that columns of numbers do not squeeze them; a hash fits one in small
+/// print.
 const char* words_class(const std::string& text) {
-  constexpr std::size_t kShort = 26;
+  constexpr std::size_t kShort = 26, kHash = 64;
+  if (text.size() == kHash && text.find(' ') == text.npos) return " class=\"words hash\"";
   return text.size() <= kShort ? " class=\"words short\"" : " class=\"words\"";
 }
 
@@ -121,33 +127,51 @@ std::string head_of(const Column& column) {
                      escaped(column.head), unit);
 }
 
-std::string row_class(const Row& row, bool in_groups) {
-  std::string kind = row.begins ? "begins" : in_groups ? "follows" : "";
+std::string row_class(const Row& row) {
+  std::string kind = row.begins ? "begins" : "";
   if (row.beside) kind += kind.empty() ? "beside" : " beside";
   return kind.empty() ? kind : " class=\"" + kind + "\"";
 }
 
-std::string row_of(const Table& table, const Row& row, bool in_groups) {
-  std::string out = "<tr" + row_class(row, in_groups) + ">";
+std::string row_of(const Table& table, const Row& row) {
+  std::string out = "<tr" + row_class(row) + ">";
   for (std::size_t i = 0; i < row.cells.size() && i < table.columns.size(); ++i)
     out += fmt::format("<td{}>{}</td>", table.columns[i].is_number ? "" : words_class(row.cells[i].text),
                        escaped(row.cells[i].text));
   return out + "</tr>\n";
 }
 
+/// Rows that belong together stay on one page.
+std::string body_of(const Table& table) {
+  const bool in_groups = std::ranges::any_of(table.rows, &Row::begins);
+  const std::string begin = in_groups ? "<tbody class=\"group\">\n" : "<tbody>\n";
+  std::string out = begin;
+  for (const Row& row : table.rows) {
+    if (row.begins && &row != &table.rows.front()) out += "</tbody>\n" + begin;
+    out += row_of(table, row);
+  }
+  return out + "</tbody>\n";
+}
+
+/// Short tables stay on one page, wide ones have small print.
+std::string table_begin(const Table& table) {
+  constexpr std::size_t kWide = 10, kShort = 10;
+  std::string kind = table.columns.size() > kWide ? "wide" : "";
+  if (table.rows.size() <= kShort) kind += kind.empty() ? "short" : " short";
+  return kind.empty() ? "<table>\n" : "<table class=\"" + kind + "\">\n";
+}
+
 struct HtmlWriter {
+  bool leads = false;  ///< the block is its section's first of several
+
   std::string operator()(const Facts& f) const { return heading(f.title) + facts_table(f.facts); }
 
   std::string operator()(const Table& table) const {
-    constexpr std::size_t kWide = 10;
-    std::string out = table.columns.size() > kWide ? "<table class=\"wide\">\n" : "<table>\n";
-    const bool in_groups = std::ranges::any_of(table.rows, &Row::begins);
+    std::string out = table_begin(table);
     if (!table.title.empty()) out += "<caption>" + escaped(table.title) + "</caption>\n";
     out += "<thead><tr>";
     for (const Column& column : table.columns) out += head_of(column);
-    out += "</tr></thead>\n<tbody>\n";
-    for (const Row& row : table.rows) out += row_of(table, row, in_groups);
-    out += "</tbody>\n</table>\n";
+    out += "</tr></thead>\n" + body_of(table) + "</table>\n";
     for (const std::string& note : table.notes) out += paragraph(note, "note");
     return out;
   }
@@ -156,11 +180,11 @@ struct HtmlWriter {
     return fmt::format(
         "<figure>\n<figcaption><span class=\"title\">{}</span>{}{}</figcaption>\n{}</figure>\n",
         escaped(chart.title), chart.caption.empty() ? "" : ". ", escaped(chart.caption),
-        figures::svg_of(chart));
+        fmt::join(figures::svg_rows(chart), ""));
   }
 
   std::string operator()(const Paragraph& p) const {
-    return paragraph(p.text, p.is_emphasized ? "strong" : "plain");
+    return paragraph(p.text, p.is_emphasized ? "strong" : leads || p.leads ? "lead" : "plain");
   }
 
   std::string operator()(const Listing& listing) const {
@@ -212,7 +236,8 @@ std::string render_html(const Report& report) {
   int number = 0;
   for (const Section& section : report.sections) {
     out += fmt::format("<h2 id=\"{}\">{}. {}</h2>\n", escaped(section.key), ++number, escaped(section.title));
-    for (const Block& block : section.blocks) out += std::visit(HtmlWriter{}, block);
+    for (std::size_t i = 0; i < section.blocks.size(); ++i)
+      out += std::visit(HtmlWriter{i == 0 && section.blocks.size() > 1}, section.blocks[i]);
   }
   return out + fmt::format("<p class=\"end\">End of report {}</p>\n</body>\n</html>\n", escaped(report.id));
 }

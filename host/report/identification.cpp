@@ -104,8 +104,12 @@ std::vector<std::string> seen_deviations(const Content& content) {
   if (rejected > 0)
     out.push_back(fmt::format("{} of {} shots do not count; the reasons are given with the shots.", rejected,
                               content.shots.size()));
-  for (const auto& session : content.input.sessions)
+  for (const auto& session : content.input.sessions) {
+    for (const host::Instrument& instrument : session.rig.instruments)
+      if (is_overdue(instrument, content))
+        out.push_back(fmt::format("The calibration of {} was due on {}.", instrument.name, instrument.due));
     for (const std::string& remark : session.remarks) out.push_back(remark);
+  }
   return out;
 }
 
@@ -117,6 +121,8 @@ struct Clause {
 };
 
 constexpr Clause kClauses[] = {
+    {"7.8.1.2", "what is needed to interpret the results", "set_up",
+     "rig, camera, instruments with certificates"},
     {"7.8.2.1 a", "title", "", "head of the report"},
     {"7.8.2.1 b", "name and address of the laboratory", "identification", "laboratory, address"},
     {"7.8.2.1 c", "place of the laboratory's activities", "identification", "place of the tests"},
@@ -209,8 +215,8 @@ Section method(const Content& content) {
            "Stroboscopic photographs of the ball before, in and after contact; times of the flashes by "
            "sensors; least squares over all images of both legs, with gravity, drag and lift where they "
            "matter. Thesis on the impact dynamics of a tennis ball striking a hard surface (Oregon State "
-           "University); common/reduction/README.md of strobe " +
-               content.input.version + "."),
+           "University); documentation of strobe " +
+               content.input.version + ", reduction."),
       fact("estimator", "Estimator", flights(content)),
       fact("uncertainty", "Uncertainty",
            "JCGM 100:2008 (GUM). What all shots share (scale, ball, air, calibration) does not become "

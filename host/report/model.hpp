@@ -67,6 +67,7 @@ struct Paragraph {
   std::string key;
   std::string text;
   bool is_emphasized = false;
+  bool leads = false;  ///< to what comes next, on the same page
 };
 
 /// Lines of a file.

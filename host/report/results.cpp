@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "common/reduction/running_statistics.hpp"
 #include "host/report/sections.hpp"
 #include "host/series/compare.hpp"
+#include "host/series/select.hpp"
 #include "host/view/series_view.hpp"
 
 namespace strobe::report {
@@ -151,10 +154,15 @@ Table differences_table(const Content& content, const std::vector<Quantity>& qua
                           text_column("unit"), number_column("difference", "difference ± U"),
                           text_column("decided", "told apart")},
               .notes = {"What both share, as a calibration, cancels as far as it does (B. L. Welch, 1947)."}};
+  std::optional<host::Series> before;  // of the condition before, where it was compared
   for (std::size_t i = 1; i < content.conditions.size(); ++i) {
     const ConditionGroup &other = content.conditions[i - 1], &group = content.conditions[i];
-    if (group.spin != other.spin || group.angle != other.angle) continue;
-    const host::Comparison found = host::compare(series_of(group), series_of(other));
+    const bool alike = group.spin == other.spin && group.angle == other.angle;
+    if (!alike) before.reset();
+    if (!alike) continue;
+    host::Series own = series_of(group);
+    const host::Comparison found = host::compare(own, before ? *before : series_of(other));
+    before = std::move(own);
     bool begins = true;
     for (const Quantity q : quantities) {
       const auto& d = found.of(q);
@@ -189,6 +197,46 @@ std::vector<Quantity> with_budget(const ConditionGroup& group, const std::vector
   return out;
 }
 
+/// What no uncertainty is stated of, so that it is not in the combined one: what an error of it would do.
+struct Omitted {
+  const char* words;
+  void (*change)(reduction::Frame& frame);
+};
+
+constexpr Omitted kOmitted[] = {
+    {"not included: clock's rate off by 100 ppm",
+     [](reduction::Frame& frame) {
+       for (reduction::BallImage& image : frame.images) image.time_s *= 1.0 + 1e-4;
+     }},
+    {"not included: inclination off by 1°", [](reduction::Frame& frame) { frame.surface_angle_deg += 1.0; }}};
+
+/// By how much each moves the mean of the shots that can be reduced again: a row for each.
+void add_omitted(Table& table, const ConditionGroup& group, const std::vector<Quantity>& quantities) {
+  std::array<std::array<reduction::RunningStatistics, reduction::kQuantityCount>, std::size(kOmitted)> moves;
+  for (const ReportShot& each : group.counted) {
+    const auto frame = host::matched_frame(*each.shot);
+    if (!frame) continue;
+    const auto as_it_is = reduction::reduce(*frame, reduction::Estimator::best);
+    if (!as_it_is) continue;
+    for (std::size_t k = 0; k < moves.size(); ++k) {
+      reduction::Frame other = *frame;
+      kOmitted[k].change(other);
+      const auto changed = reduction::reduce(other, reduction::Estimator::best);
+      for (const Quantity q : quantities)
+        if (changed && changed->value[q] && as_it_is->value[q])
+          moves[k][static_cast<std::size_t>(q)].add(*changed->value[q] - *as_it_is->value[q]);
+    }
+  }
+  for (std::size_t k = 0; k < moves.size(); ++k) {
+    Row row{{kOmitted[k].words}, k == 0, true};
+    for (const Quantity q : quantities) {
+      const auto& of = moves[k][static_cast<std::size_t>(q)];
+      row.cells.push_back(of.count() > 0 ? sd_cell(std::abs(of.mean())) : "-");
+    }
+    table.rows.push_back(std::move(row));
+  }
+}
+
 /// Sources down, quantities across: the effect of each on the mean.
 Table overview(const ConditionGroup& group, const std::vector<Quantity>& quantities) {
   Table table{"overview_" + group.key,
@@ -212,15 +260,18 @@ Table overview(const ConditionGroup& group, const std::vector<Quantity>& quantit
   Row total{{"combined"}, true, false};
   for (const Quantity q : quantities) total.cells.push_back(sd_cell(group.of(q).total_sd));
   table.rows.push_back(std::move(total));
+  add_omitted(table, group, quantities);
   return table;
 }
 
 Row budget_row(const BudgetLine& line, std::string quantity, bool begins) {
-  const auto three_digits = [](double number) { return Cell{fmt::format("{:.3g}", number), number}; };
+  const auto digits = [](double number, int count) {
+    return Cell{fmt::format("{:.{}g}", number, count), number};
+  };
   return {
       {std::move(quantity), line.source, line.type == host::EvaluationType::a ? "A" : "B",
-       line.shared ? "yes" : "no", line.input_sd > 0.0 ? three_digits(line.input_sd) : "-", line.input_unit,
-       line.sensitivity ? three_digits(*line.sensitivity) : "-", sd_cell(line.effect),
+       line.shared ? "yes" : "no", line.input_sd > 0.0 ? digits(line.input_sd, 2) : "-", line.input_unit,
+       line.sensitivity ? digits(*line.sensitivity, 3) : "-", sd_cell(line.effect),
        Cell{fmt::format("{:.1f} %", 100.0 * line.share), line.share}, freedom_cell(line.degrees_of_freedom)},
       begins,
       false};
@@ -285,9 +336,12 @@ Section budgets(const Content& content) {
   } else {
     section.blocks.insert(
         section.blocks.begin(),
-        Paragraph{"meaning",
-                  "Type A: evaluated from scatter; type B: by other means. Shared: the same for all shots "
-                  "with this rig, ball and calibration, so that more shots do not make it smaller."});
+        Paragraph{
+            "meaning",
+            "Type A: evaluated from scatter; type B: by other means. Shared: the same for all shots "
+            "with this rig, ball and calibration, so that more shots do not make it smaller. Not included "
+            "are the rate of the rig's clock and the inclination of the surface, of which no uncertainty is "
+            "stated: the last rows say what an error of them would do to each mean."});
   }
   return section;
 }

@@ -82,7 +82,7 @@ Cell number_cell(std::optional<double> value, std::optional<double> sd);
 /// As sds are shown: two significant digits.
 Cell sd_cell(std::optional<double> sd);
 Cell count_cell(long count);
-/// "15.62 ± 0.03"; the number is the value.
+/// "15.62 ± 0.03", both with two digits of the uncertainty; the number is the value.
 Cell expanded_cell(const host::QuantitySummary& summary);
 Cell expanded_cell(double value, const std::optional<double>& u);
 /// "12.3"; "∞" of more than 10,000 or infinitely many.

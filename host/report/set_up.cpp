@@ -22,31 +22,39 @@ using commission::Standing;
 using host::CameraTable;
 using host::StoredSession;
 
-std::string number_text(const std::optional<double>& value, const char* unit) {
-  return value ? fmt::format("{:.6g}{}", *value, unit) : std::string();
+std::string number_text(const std::optional<double>& value, int digits, const char* unit) {
+  return value ? fmt::format("{:.{}g}{}", *value, digits, unit) : std::string();
 }
 
 std::string with_sd(double value, const std::optional<double>& sd, const char* unit) {
-  return sd ? fmt::format("{:.7g} ± {:.3g}{}", value, *sd, unit)
-            : fmt::format("{:.7g}{}, sd not stated", value, unit);
+  if (!sd) return fmt::format("{:.4g}{}, sd not stated", value, unit);
+  if (*sd > 0.0) return expanded_cell(value, sd).text + unit;
+  return fmt::format("{:.7g}{}, taken as exact", value, unit);
+}
+
+/// Which scale the shots were measured with: a calibration's supersedes that of [analysis].
+bool camera_gives_scale(const StoredSession& session) {
+  const auto& camera = session.rig.camera;
+  return camera.px_per_m && (camera.px_per_m_sd || !session.rig.analysis.px_per_m);
 }
 
 Facts rig_facts(const StoredSession& session, const std::string& key) {
   const auto& ball = session.rig.ball;
   const auto& analysis = session.rig.analysis;
   const auto& plan = session.rig.plan;
-  return {"rig" + key,
-          "Rig and ball",
-          {fact("rig", "Rig", session.rig.rig), fact("folder", "Session's folder", folder_name(session)),
-           number_fact("ball_diameter_m", "Ball's diameter", ball.diameter_m,
-                       with_sd(1e3 * ball.diameter_m, 1e3 * ball.diameter_sd_m, " mm (sd of its tolerance)")),
-           stated_fact("ball_mass_kg", "Ball's mass",
-                       number_text(ball.mass_kg ? std::optional(1e3 * *ball.mass_kg) : std::nullopt, " g")),
-           stated_fact("surface_angle_deg", "Inclination of the surface",
-                       number_text(analysis.surface_angle_deg, " degrees")),
-           fact("flash_period", "Shortest interval of flashes in the rig's plan",
-                fmt::format("{:.3f} ms", 1e-6 * static_cast<double>(plan.even.period.count()))),
-           fact("spacing", "Intervals of flashes", plan.spacing == host::Spacing::coded ? "coded" : "even")}};
+  return {
+      "rig" + key,
+      "Rig and ball",
+      {fact("rig", "Rig", session.rig.rig), fact("folder", "Session's folder", folder_name(session)),
+       number_fact("ball_diameter_m", "Ball's diameter", ball.diameter_m,
+                   with_sd(1e3 * ball.diameter_m, 1e3 * ball.diameter_sd_m, " mm (sd of its tolerance)")),
+       stated_fact("ball_mass_kg", "Ball's mass",
+                   number_text(ball.mass_kg ? std::optional(1e3 * *ball.mass_kg) : std::nullopt, 4, " g")),
+       stated_fact("surface_angle_deg", "Inclination of the surface",
+                   number_text(analysis.surface_angle_deg, 4, " degrees")),
+       fact("flash_period", "Shortest interval of flashes in the rig's plan",
+            fmt::format("{:.3f} ms", 1e-6 * static_cast<double>(plan.even.period.count()))),
+       fact("spacing", "Intervals of flashes", plan.spacing == host::Spacing::coded ? "coded" : "even")}};
 }
 
 std::string age(const CameraTable& camera, const std::string& day) {
@@ -62,8 +70,10 @@ std::string age(const CameraTable& camera, const std::string& day) {
 
 Facts camera_facts(const StoredSession& session, const std::string& key, const std::string& first_day) {
   const CameraTable& camera = session.rig.camera;
-  const auto scale = session.rig.analysis.px_per_m ? session.rig.analysis.px_per_m : camera.px_per_m;
-  const auto sd = session.rig.analysis.px_per_m ? session.rig.analysis.px_per_m_sd : camera.px_per_m_sd;
+  const auto& analysis = session.rig.analysis;
+  const bool by_camera = camera_gives_scale(session);
+  const auto scale = by_camera ? camera.px_per_m : analysis.px_per_m;
+  const auto sd = by_camera ? camera.px_per_m_sd : analysis.px_per_m_sd;
   Fact of_scale = stated_fact("px_per_m", "Scale in the balls' plane",
                               scale ? with_sd(*scale, sd, " px/m") : std::string());
   of_scale.number = scale;
@@ -71,18 +81,45 @@ Facts camera_facts(const StoredSession& session, const std::string& key, const s
   std::vector<Fact> facts{stated_fact("calibrated", "Calibrated on", camera.calibrated.value_or(""))};
   if (const std::string words = age(camera, first_day); !words.empty())
     facts.push_back(fact("calibration_age", "Age of the calibration", words));
-  facts.insert(
-      facts.end(),
-      {std::move(of_scale),
-       stated_fact("residual_px", "Residual of the calibration, rms", number_text(camera.residual_px, " px")),
-       stated_fact("tilt_deg", "Tilt of the optical axis", number_text(camera.tilt_deg, " degrees")),
-       stated_fact("board", "Board", camera.board.value_or("")),
-       stated_fact("photographs", "Photographs of the board",
-                   camera.photographs ? fmt::format("{}", *camera.photographs) : "")});
+  facts.insert(facts.end(), {std::move(of_scale),
+                             stated_fact("residual_px", "Residual of the calibration, rms",
+                                         number_text(camera.residual_px, 2, " px")),
+                             stated_fact("tilt_deg", "Tilt of the optical axis",
+                                         number_text(camera.tilt_deg, 2, " degrees")),
+                             stated_fact("board", "Board", camera.board.value_or("")),
+                             stated_fact("photographs", "Photographs of the board",
+                                         camera.photographs ? fmt::format("{}", *camera.photographs) : "")});
   if (camera.width_px && camera.height_px)
     facts.push_back(fact("size_px", "Size of photographs",
                          fmt::format("{} x {} px", *camera.width_px, *camera.height_px)));
   return {"camera" + key, "Camera", std::move(facts)};
+}
+
+/// How its calibration stands in the days of the tests.
+std::string instrument_state(const host::Instrument& instrument, const Content& content) {
+  if (instrument.calibrated.empty()) return "not stated";
+  if (!content.first_day.empty() && instrument.calibrated > content.first_day)
+    return "calibrated after the tests began";
+  if (is_overdue(instrument, content)) return "overdue";
+  return instrument.due.empty() ? "calibrated before" : "in force";
+}
+
+void add_instruments(Section& section, const StoredSession& session, const std::string& key,
+                     const Content& content) {
+  Table table{
+      "instruments" + key,
+      "Instruments",
+      {text_column("instrument"), text_column("certificate"), text_column("calibrated", "calibrated on"),
+       text_column("due", "due on"), text_column("state", "in the tests")}};
+  const auto stated = [](const std::string& text) { return text.empty() ? "not stated" : text; };
+  for (const host::Instrument& each : session.rig.instruments)
+    table.rows.push_back({{each.name, stated(each.certificate), stated(each.calibrated), stated(each.due),
+                           instrument_state(each, content)}});
+  if (table.rows.empty())
+    section.blocks.emplace_back(
+        Facts{"instruments" + key, "", {stated_fact("instruments", "Instruments and certificates", "")}});
+  else
+    section.blocks.emplace_back(std::move(table));
 }
 
 Table runs_table(const StoredSession& session, const std::string& key) {
@@ -99,15 +136,34 @@ Table runs_table(const StoredSession& session, const std::string& key) {
   return table;
 }
 
-/// Without comments that fill whole lines, and empty lines.
-std::string essence(const std::string& text) {
-  std::string out;
+/// Where a comment begins: not within "quotes" or 'quotes' of one line.
+std::size_t comment_begin(const std::string& line) {
+  char quote = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (quote == '"' && line[i] == '\\')
+      ++i;
+    else if (quote != 0)
+      quote = line[i] == quote ? 0 : quote;
+    else if (line[i] == '#')
+      return i;
+    else if (line[i] == '"' || line[i] == '\'')
+      quote = line[i];
+  }
+  return line.size();
+}
+
+/// Without comments and empty lines. without_scale: without [analysis] px_per_m and px_per_m_sd.
+std::string essence(const std::string& text, bool without_scale = false) {
+  std::string out, table;
   for (std::size_t from = 0; from < text.size();) {
     const std::size_t end = std::min(text.find('\n', from), text.size());
-    const std::string line = text.substr(from, end - from);
-    const std::size_t first = line.find_first_not_of(" \t\r");
-    if (first != line.npos && line[first] != '#') out += line + "\n";
+    std::string line = text.substr(from, end - from);
+    line.resize(comment_begin(line));
+    line.resize(line.find_last_not_of(" \t\r") + 1);
     from = end + 1;
+    if (line.starts_with("[")) table = line;
+    const bool is_scale = table == "[analysis]" && line.starts_with("px_per_m");
+    if (!line.empty() && !(without_scale && is_scale)) out += line + "\n";
   }
   return out;
 }
@@ -161,9 +217,10 @@ void add_session(Section& section, const StoredSession& session, const std::stri
                                       stands.oldest_days, fmt::format("{:.0f} days", stands.oldest_days)));
   }
   section.blocks.emplace_back(std::move(facts));
-  section.blocks.emplace_back(Paragraph{"standing" + key,
-                                        record ? "The rig is " + stands.words + "." : record.error().message,
-                                        stands.state != Standing::State::good});
+  section.blocks.emplace_back(
+      Paragraph{"standing" + key,
+                record ? "The rig is " + stands.words + "." : "The record of commissioning cannot be read.",
+                stands.state != Standing::State::good});
   if (stands.state != Standing::State::absent) section.blocks.emplace_back(steps_table(stands, key));
 }
 
@@ -220,10 +277,16 @@ Section set_up(const Content& content) {
   for (const auto& [session, key] : content.sessions()) {
     section.blocks.emplace_back(rig_facts(*session, key));
     section.blocks.emplace_back(camera_facts(*session, key, content.first_day));
+    add_instruments(section, *session, key, content);
     if (Table runs = runs_table(*session, key); !runs.rows.empty())
       section.blocks.emplace_back(std::move(runs));
-    section.blocks.emplace_back(
-        Listing{"rig_file" + key, "Rig file as used, without comments", essence(session->rig.text)});
+    const bool superseded = camera_gives_scale(*session) && session->rig.analysis.px_per_m;
+    section.blocks.emplace_back(Listing{"rig_file" + key,
+                                        superseded
+                                            ? "Rig file as used, without comments and the scale that the "
+                                              "calibration supersedes"
+                                            : "Rig file as used, without comments",
+                                        essence(session->rig.text, superseded)});
     if (!session->plan_text.empty())
       section.blocks.emplace_back(Listing{"plan_file" + key, "Plan as used", essence(session->plan_text)});
   }

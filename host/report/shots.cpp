@@ -40,7 +40,8 @@ Table numbers_table(const Content& content, const ConditionGroup& group) {
   for (const ReportShot& each : group.shots) {
     const auto& readout = each.shot->readout;
     Row row{{each.name, each.shot->utc, each.counts ? "yes" : "no"}, false, !each.counts};
-    for (const Quantity q : quantities) row.cells.push_back(number_cell(readout.value[q], readout.sd[q]));
+    for (const Quantity q : quantities)
+      row.cells.push_back(number_cell(readout.value[q], reduction::total_sd(readout, q)));
     table.rows.push_back(std::move(row));
   }
   return table;
@@ -83,14 +84,22 @@ Result<reduction::Frame> frame_of(const host::Shot& shot) {
   return frame;
 }
 
+/// Without the folder, which is none of a report's reader's business and changes where a session is moved.
+std::string unreadable(const std::filesystem::path& photograph, std::string why) {
+  const std::string path = photograph.string();
+  if (const auto at = why.find(path); at != why.npos)
+    why.replace(at, path.size(), photograph.filename().string());
+  return "The photograph cannot be shown: " + why + ".";
+}
+
 /// The photograph with what was measured on it, drawn from what is stored, without measuring again. Fails
 /// with why there is none, for a person.
 Result<Picture> overlay_picture(const host::StoredSession& session, const host::Shot& shot) {
   if (!shot.photograph) return fail("No photograph is kept.");
   const auto photograph = digitize::load_photograph(*shot.photograph);
-  if (!photograph) return fail("The photograph cannot be shown: " + photograph.error().message + ".");
+  if (!photograph) return fail(unreadable(*shot.photograph, photograph.error().message));
   const auto settings = host::digitize_settings(session.rig, photograph->width(), photograph->height());
-  if (!settings) return fail("The photograph cannot be shown: " + settings.error().message + ".");
+  if (!settings) return fail(unreadable(*shot.photograph, settings.error().message));
   digitize::Digitization found;
   if (!shot.digitizations.empty()) {
     auto frame = frame_of(shot);
@@ -111,9 +120,7 @@ std::vector<Fact> numbers(const reduction::Readout& readout) {
   for (const Quantity q : kEssential) {
     if (!readout.value[q]) continue;
     const host::QuantityLabel& label = label_of(q);
-    const auto& sd = readout.sd[q];
-    std::string text = number_cell(readout.value[q], sd).text;
-    if (sd && *sd > 0.0) text += " ± " + host::rounded(*sd, *sd);
+    std::string text = expanded_cell(*readout.value[q], reduction::total_sd(readout, q)).text;
     if (!label.unit.empty()) append(text, label.unit, " ");
     facts.push_back(number_fact(std::string(reduction::name(q)), std::string(label.words), *readout.value[q],
                                 std::move(text)));
@@ -179,8 +186,8 @@ Section photographs(const Content& content) {
       Paragraph{"meaning",
                 "Each photograph with what was measured on it: the outlines of the ball's images with their "
                 "numbers and the times of their flashes, blue before, yellow in and green after contact, "
-                "magenta where a person measured; equators; orange: the surface. Numbers with their sd for "
-                "the single shot, given the ball's diameter."});
+                "magenta where a person measured; equators; orange: the surface. Numbers with the "
+                "total standard uncertainty of the single shot."});
   std::size_t done = 0;
   for (const ConditionGroup& group : content.conditions) {
     for (const ReportShot& each : group.shots) {

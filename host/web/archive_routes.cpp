@@ -153,8 +153,6 @@ std::string session_report_html(const host::StoredSession& session, const std::s
   report::ReportInput input;
   input.version = version;
   input.sessions.push_back(session);
-  const auto thesis = report::shipped_thesis();
-  input.thesis = thesis ? &*thesis : nullptr;
   return report::render_html(report::build_report(input));
 }
 

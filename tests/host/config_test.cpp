@@ -287,6 +287,25 @@ TEST(Statements, AreReadFromTheRigFileAndEmptyOnesStateNothing) {
       (rig->statements == host::Statements{{"laboratory", "Lab & <Sons>"}, {"received", "2026-11-02"}}));
 }
 
+TEST(Statements, OfInstrumentsHaveCertificatesAndDays) {
+  const auto rig = read_rig(
+      "rig = \"b\"\n[[report.instrument]]\nname = \"rule 17\"\ncertificate = \"K-1\"\ncalibrated = \"2026-03-02\"\n"
+      "due = \"2027-03-02\"\n[[report.instrument]]\nname = \"inclinometer\"\n",
+      "rig.toml");
+  CHECK_TRUE(rig.has_value());
+  LONGS_EQUAL(2, rig->instruments.size());
+  CHECK_EQUAL("rule 17 K-1 2026-03-02 2027-03-02", rig->instruments[0].name + " " + rig->instruments[0].certificate + " " +
+                                                       rig->instruments[0].calibrated + " " + rig->instruments[0].due);
+  CHECK_EQUAL("", rig->instruments[1].certificate + rig->instruments[1].calibrated + rig->instruments[1].due);
+  const std::string begin = "rig = \"b\"\n[[report.instrument]]\n";
+  STRCMP_CONTAINS("rig.toml:2: report.instrument[1].name: must say which", rig_error(begin).c_str());
+  STRCMP_CONTAINS("rig.toml:4: report.instrument[1].calibrated: must be a day",
+                  rig_error(begin + "name = \"a\"\ncalibrated = \"March\"\n").c_str());
+  STRCMP_CONTAINS("rig.toml:5: report.instrument[1].due: must not be before",
+                  rig_error(begin + "name = \"a\"\ncalibrated = \"2026-03-02\"\ndue = \"2026-03-01\"\n").c_str());
+  STRCMP_CONTAINS("rig.toml:4: report.instrument[1].serial", rig_error(begin + "name = \"a\"\nserial = \"1\"\n").c_str());
+}
+
 TEST(Statements, AreNamedWhereTheyAreWrong) {
   STRCMP_CONTAINS("rig.toml:3: report.customr",
                   rig_error("rig = \"b\"\n[report]\ncustomr = \"x\"\n").c_str());

@@ -1,6 +1,8 @@
 // Axes, ticks, and drawings of whatever there is to draw.
 #include <rapidcheck.h>
 
+#include <regex>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -34,7 +36,9 @@ Chart chart_of(std::vector<PlotPoint> points, Stroke stroke = Stroke::points) {
 }
 
 strobe::report_test::ParsedHtml drawn(const Chart& chart) {
-  const std::string svg = svg_of(chart);
+  std::string svg = "<div>";
+  for (const std::string& row : svg_rows(chart)) svg += row;
+  svg += "</div>";
   CHECK_TEXT(svg.find("nan") == svg.npos && svg.find("inf") == svg.npos, svg.c_str());
   auto parsed = parse_html(svg);
   CHECK_TEXT(parsed.well_formed, parsed.problem.c_str());
@@ -142,6 +146,51 @@ TEST(ReportChart, ALineIsInterruptedWhereAValueIsMissing) {
   CHECK(interrupted);
 }
 
+TEST(ReportChart, IsDrawnRowByRowWithOneLegend) {
+  Figure figure{.number = 0, .title = "t", .caption = "", .columns = 3};
+  for (int i = 0; i < 7; ++i)
+    figure.panels.push_back({.x_label = "x",
+                             .y_label = "label " + std::to_string(i),
+                             .series = {{.name = "s",
+                                         .legend = i == 0 ? "the legend" : "",
+                                         .stroke = Stroke::points,
+                                         .colour = "#123456",
+                                         .points = {{1.0, 2.0}}}}});
+  const auto rows = svg_rows(make_chart("c", figure));
+  LONGS_EQUAL(3, rows.size());
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK_EQUAL(i == 2, rows[i].find("the legend") != std::string::npos);
+    for (int k = 0; k < 7; ++k)
+      CHECK_EQUAL(i == static_cast<std::size_t>(k) / 3, rows[i].find("label " + std::to_string(k)) != std::string::npos);
+  }
+}
+
+// A letter is 0.6 of the font's size wide, as in DejaVu Sans; a drawing is 720 wide.
+TEST(ReportChart, LabelsStayWithinThePanelAndApart) {
+  std::vector<std::string> names;
+  for (int i = 1; i <= 20; ++i) names.push_back(std::to_string(i) + "/1f2e4d");
+  Figure figure{.number = 0, .title = "t", .caption = "", .columns = 3};
+  for (int i = 0; i < 3; ++i) figure.panels.push_back({.x_label = "shot", .y_label = "spin touchdown of the ball, rad/s"});
+  const std::string svg = svg_rows(make_chart("c", figure, names)).at(0);
+  const std::regex label("<text x=\"([0-9.]+)\" y=\"([0-9.]+)\" text-anchor=\"middle\" font-size=\"([0-9.]+)\"( transform)?[^>]*>([^<]*)<");
+  double end = 0.0;
+  int shots = 0;
+  for (std::sregex_iterator it(svg.begin(), svg.end(), label), none; it != none; ++it) {
+    const double x = std::stod((*it)[1]), y = std::stod((*it)[2]);
+    const std::string words = (*it)[5];
+    const double half = 0.3 * std::stod((*it)[3]) * static_cast<double>(words.size());
+    if ((*it)[4].matched) {  // upright
+      CHECK_TRUE(y - half >= 0.0 && y + half <= 146.0);
+    } else if (words.find('/') != words.npos) {
+      if (x < end) end = 0.0;  // the next panel
+      CHECK_TRUE(x - half > end);
+      end = x + half;
+      ++shots;
+    }
+  }
+  CHECK_TRUE(shots >= 3 && shots < 3 * 20);
+}
+
 TEST(ReportChart, NamesOfManyShotsAreThinnedOut) {
   std::vector<std::string> names;
   for (int i = 1; i <= 300; ++i) names.push_back(std::to_string(i));
@@ -163,7 +212,7 @@ TEST(ReportChart, AnyPointsGiveAWellFormedDrawing) {
     for (std::size_t i = 0; i + 3 < values.size(); ++i)
       points.push_back({values[i], values[i + 1], values[i + 2], values[i + 3]});
     for (const Stroke stroke : {Stroke::points, Stroke::solid, Stroke::dotted}) {
-      const std::string svg = svg_of(chart_of(points, stroke));
+      const std::string svg = svg_rows(chart_of(points, stroke)).at(0);
       RC_ASSERT(parse_html(svg).well_formed);
       RC_ASSERT(svg.find("nan") == svg.npos);
       RC_ASSERT(svg.find("inf") == svg.npos);

@@ -8,6 +8,7 @@
 #include "common/config/files.hpp"
 #include "common/image/image_files.hpp"
 #include "common/image/opencv.hpp"
+#include "common/reduction/uncertainty.hpp"
 #include "host/commission/record/record.hpp"
 #include "host/report/hashes.hpp"
 #include "host/report/report.hpp"
@@ -62,6 +63,13 @@ std::string text_of(const Report& report) {
   const auto parsed = parse_html(render_html(report));
   CHECK_TEXT(parsed.well_formed, parsed.problem.c_str());
   return parsed.text;
+}
+
+void write_grey(const std::string& file) {
+  const cv::Mat grey(700, 1400, CV_8UC1, cv::Scalar(90));
+  const auto png = image::encode_png(image::pixels_of(grey));
+  CHECK(png.has_value());
+  CHECK(config::write_file(file, {reinterpret_cast<const char*>(png->data()), png->size()}).has_value());
 }
 
 thesis::ThesisInputs loaded_thesis() {
@@ -221,6 +229,91 @@ TEST(Report, SetsTheThesissRowBesideItsOwn) {
   DOUBLES_EQUAL((mean - 0.86) / 0.05, table["rows"][3]["e"]["number"].get<double>(), 1e-12);
 }
 
+TEST(Report, DoesNotMentionTheThesissNumbersUnlessAsked) {
+  const Report report = build_report(input_of(made_session({.shots = 8, .tops = true})));
+  CHECK_FALSE(json_of(report).at("sections").contains("contact"));
+  const std::string text = text_of(report);
+  const std::size_t named = text.find("hesis");
+  CHECK(named != text.npos);  // the method's source
+  CHECK_EQUAL(text.npos, text.find("hesis", named + 1));
+}
+
+TEST(Report, NamesInstrumentsWithTheirCertificatesAndThoseThatAreOverdue) {
+  const json all = json_of(build_report(input_of(made_session(
+                               {.rig_lines = "[[report.instrument]]\nname = \"rule 17\"\ncertificate = \"K-1\"\ncalibrated "
+                                             "= \"2025-11-01\"\ndue = \"2026-11-20\"\n[[report.instrument]]\nname = "
+                                             "\"inclinometer\"\ncalibrated = \"2026-11-20\"\ndue = \"2026-11-21\"\n"}))))
+                       .at("sections");
+  const json& rows = all["set_up"]["tables"]["instruments"]["rows"];
+  CHECK_EQUAL(std::string("K-1"), rows[0]["certificate"]["text"].get<std::string>());
+  CHECK_EQUAL(std::string("overdue"), rows[0]["state"]["text"].get<std::string>());  // tested on the 21st
+  CHECK_EQUAL(std::string("not stated"), rows[1]["certificate"]["text"].get<std::string>());
+  CHECK_EQUAL(std::string("in force"), rows[1]["state"]["text"].get<std::string>());
+  CHECK_EQUAL(std::string("The calibration of rule 17 was due on 2026-11-20."),
+              all["method"]["texts"]["deviation_1"].get<std::string>());
+  const json without = json_of(build_report(input_of(made_session()))).at("sections");
+  STRCMP_CONTAINS("Instruments and certificates", without["clauses"]["texts"]["not_stated"].get<std::string>().c_str());
+}
+
+TEST(Report, ShowsTheScaleThatCountsAndNotTheOneThatItSupersedes) {
+  const json all = json_of(build_report(input_of(made_session(
+                               {.rig_lines = "[analysis]\npx_per_m = 4321.0  # a guess\npx_per_m_sd = 9.0\n[camera]\npx_per_m = "
+                                             "3975.123456\npx_per_m_sd = 1.99\nresidual_px = 0.0082528\n"}))))
+                       .at("sections")
+                       .at("set_up");
+  CHECK_EQUAL(std::string("3975.1 ± 2.0 px/m"), all["facts"]["camera"]["px_per_m"]["text"].get<std::string>());
+  CHECK_EQUAL(std::string("0.0083 px"), all["facts"]["camera"]["residual_px"]["text"].get<std::string>());
+  const std::string file = all["files"]["rig_file"]["text"].get<std::string>();
+  CHECK_TEXT(file.find("4321") == file.npos && file.find("guess") == file.npos, file.c_str());
+  STRCMP_CONTAINS("[camera]\npx_per_m = 3975.123456\n", file.c_str());
+}
+
+TEST(Report, SaysWhatErrorsOfClockAndInclinationWouldDo) {
+  const json all = json_of(build_report(input_of(made_session({.shots = 3})))).at("sections");
+  const json& rows = all["budgets"]["tables"]["overview_zero_23"]["rows"];
+  const auto effect = [&](std::size_t from_end, const char* quantity) {
+    return rows[rows.size() - from_end][quantity]["number"].get<double>();
+  };
+  STRCMP_CONTAINS("not included: clock's rate", rows[rows.size() - 2]["source"]["text"].get<std::string>().c_str());
+  CHECK(rows.back()["beside"].get<bool>());
+  // Speeds are as the clock's rate, but for what gravity adds over a leg of some 40 ms, 2 %; ratios are not.
+  const double speed = all["results"]["tables"]["incoming_1"]["rows"][0]["v_td_mps"]["number"].get<double>();
+  DOUBLES_EQUAL(1e-4 * speed, effect(2, "v_td_mps"), 0.03 * 1e-4 * speed);
+  CHECK(effect(2, "e") < 1e-5);
+  // g sin 1° along the surface for at most 60 ms.
+  CHECK(effect(1, "v_td_mps") > 0.0 && effect(1, "v_td_mps") < 0.0103);
+}
+
+TEST(Report, HasOneKindOfUncertaintyForOneNumber) {
+  testing::TemporaryFolder folder;
+  write_grey(folder / "one.png");
+  auto session = made_session({.shots = 1});
+  session.folder = folder.path();
+  session.shots[0].photograph = folder / "one.png";
+  const auto readout = session.shots[0].readout;
+  const double total = reduction::total_sd(readout, reduction::Quantity::v_td_mps).value();
+  CHECK(total > 2.0 * readout.sd[reduction::Quantity::v_td_mps].value());  // scale by the ball: its tolerance counts
+  const json all = json_of(build_report(input_of(session))).at("sections");
+  const std::string text = all["photographs"]["shots"]["1"]["facts"]["v_td_mps"]["text"].get<std::string>();
+  const double shown = std::stod(text.substr(text.find("± ") + 3));
+  DOUBLES_EQUAL(total, shown, 0.05 * total);  // two digits
+  const std::string value = all["shots"]["tables"]["numbers_zero_23"]["rows"][0]["v_td_mps"]["text"].get<std::string>();
+  CHECK_EQUAL(text.substr(0, text.find(" ")), value);
+}
+
+TEST(Report, GivesNoAdviceToAnOperatorAndNoFolders) {
+  auto session = made_session({.shots = 2});
+  session.remarks = {"the photograph of shot 2 was never digitized"};
+  session.advice = {"strobe replay /srv/lab/today --complete digitizes what was not"};
+  session.folder = "/srv/lab/today";
+  session.shots[1].photograph = session.folder / "photographs/absent.tif";
+  const std::string text = text_of(build_report(input_of(std::move(session))));
+  STRCMP_CONTAINS("shot 2 was never digitized", text.c_str());
+  STRCMP_CONTAINS("cannot be shown: absent.tif", text.c_str());
+  CHECK(text.find("/srv/lab") == text.npos);
+  CHECK(text.find("strobe replay") == text.npos);
+}
+
 TEST(Report, HasNumbersOfEveryShotOfSeveralSessionsUnderOneConditionEach) {
   auto input = input_of(made_session({.shots = 2}));
   auto other = made_session({.shots = 3, .spin = "top", .angle = "34"});
@@ -303,11 +396,7 @@ TEST(Report, DrawsFigures4To17OfItsOwnImagesInContact) {
 
 TEST(Report, ShowsAPhotographWithWhatWasMeasuredAndItsHash) {
   testing::TemporaryFolder folder;
-  const cv::Mat grey(700, 1400, CV_8UC1, cv::Scalar(90));
-  const auto png = image::encode_png(image::pixels_of(grey));
-  CHECK(png.has_value());
-  CHECK(config::write_file(folder / "one.png", {reinterpret_cast<const char*>(png->data()), png->size()})
-            .has_value());
+  write_grey(folder / "one.png");
   auto session = made_session({.shots = 2});
   session.folder = folder.path();
   session.shots[0].photograph = folder / "one.png";
