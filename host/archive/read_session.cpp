@@ -268,7 +268,7 @@ Result<void> take_times(StoredSession& session) {
 
 Result<StoredSession> read_session(const fs::path& folder, const ReadSessionOptions& options) {
   std::error_code error;
-  if (!fs::is_directory(folder, error)) return fail(folder.string() + ": no such folder");
+  if (!fs::is_directory(folder, error)) return fail(folder.string() + ": no such folder of a session");
   const auto logs = host_logs(folder);
   if (logs.empty() && journals(folder).empty())
     return fail(folder.string() + ": no log of a host (host-*.lcmlog) and no journal is in it");

@@ -48,7 +48,7 @@ Result<StoredLogs> StoredLogs::open(std::vector<fs::path> paths) {
     Log log;
     std::error_code error;
     log.bytes = fs::file_size(path, error);
-    if (error || !fs::is_regular_file(path, error)) return fail(path.string() + ": no such file");
+    if (error || !fs::is_regular_file(path, error)) return fail(path.string() + ": no such file or folder");
     if (!std::ifstream(path).good()) return fail(path.string() + ": cannot be read");
     log.starts = start_in(path.filename().string());
     log.path = std::move(path);

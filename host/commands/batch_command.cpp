@@ -13,12 +13,12 @@
 #include <system_error>
 #include <thread>
 
-#include "common/config/files.hpp"
 #include "common/data/csv.hpp"
 #include "common/messages/parsed_json.hpp"
 #include "host/batch/batch_run.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/shared_options.hpp"
 #include "host/session/record_file.hpp"
 
 namespace strobe::host {
@@ -189,7 +189,7 @@ Result<BatchSettings> settings_of(const BatchOptions& options) {
   settings.effort = digitize::effort_from_name(options.effort).value();
   settings.stored_frames = options.frames;
   if (!options.calibration.empty()) {
-    auto text = config::read_file(options.calibration);
+    auto text = read_option_file("--calibration", options.calibration);
     if (!text) return tl::unexpected(text.error());
     settings.calibration_text = std::move(*text);
     settings.calibration_name = options.calibration;

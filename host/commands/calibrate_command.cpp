@@ -19,6 +19,7 @@
 #include "common/messages/parsed_json.hpp"
 #include "host/camera/calibration.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/shared_options.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/digitize/image/photograph.hpp"
 
@@ -200,7 +201,7 @@ void print_text(const CameraTable& table, const camera::Calibration& found) {
 
 /// Where the calibration goes: beside the rig file, as that says.
 Result<std::filesystem::path> calibration_path(const std::string& rig_path) {
-  const auto text = config::read_file(rig_path);
+  const auto text = read_option_file("--rig", rig_path);
   if (!text) return tl::unexpected(text.error());
   const auto rig = read_rig(*text, rig_path);
   if (!rig) return tl::unexpected(rig.error());

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "common/command_line/command_line.hpp"
-#include "common/config/files.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/digitize_report.hpp"
+#include "host/commands/shared_options.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/config/digitize_times.hpp"
 #include "host/digitize/overlay.hpp"
@@ -158,7 +158,7 @@ void overrule(RigFile& rig, const DigitizeOptions& options) {
 
 Result<void> read_times(const DigitizeOptions& options, Given& given) {
   if (!options.times_file.empty()) {
-    const auto text = config::read_file(options.times_file);
+    const auto text = read_option_file("--times", options.times_file);
     if (!text) return tl::unexpected(text.error());
     auto times = parse_flash_times(*text, options.times_file);
     if (!times) return tl::unexpected(times.error());
@@ -192,7 +192,7 @@ Result<Given> read_given(const DigitizeOptions& options) {
   overrule(given.rig, options);
   if (auto read = read_times(options, given); !read) return tl::unexpected(read.error());
   if (!options.edit_file.empty()) {
-    const auto text = config::read_file(options.edit_file);
+    const auto text = read_option_file("--edit", options.edit_file);
     if (!text) return tl::unexpected(text.error());
     auto corrections = digitize::parse_corrections(*text, options.edit_file);
     if (!corrections) return tl::unexpected(corrections.error());

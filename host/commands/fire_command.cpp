@@ -106,7 +106,7 @@ Result<FireOptions> resumed(const FireOptions& given) {
 Result<void> set_plan(const FireOptions& options, FireRequest& request) {
   PlanFile plan = request.rig.plan;
   if (!options.plan_path.empty()) {
-    const auto text = config::read_file(options.plan_path);
+    const auto text = read_option_file("--plan", options.plan_path);
     if (!text) return tl::unexpected(text.error());
     auto read = read_plan(*text, options.plan_path, plan);
     if (!read) return tl::unexpected(read.error());

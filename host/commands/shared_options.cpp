@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "common/authentication/key_file.hpp"
+#include "common/config/files.hpp"
 #include "common/wire/lcm_url.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/series/select.hpp"
@@ -25,6 +26,11 @@ Result<authentication::Key> lab_key(const RigOptions& options, const RigFile& ri
   const auto found = authentication::find_key({options.key_file, rig.key_file.value_or("")});
   if (!found) return tl::unexpected(found.error());
   return found->key;
+}
+
+Result<std::string> read_option_file(const char* option, const std::string& file) {
+  return config::read_file(file).map_error(
+      [option](const Error& error) { return Error{fmt::format("{}: {}", option, error.message)}; });
 }
 
 void add_photograph_options(CLI::App& command, PhotographOptions& options) {

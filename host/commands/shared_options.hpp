@@ -28,6 +28,9 @@ void add_link_options(CLI::App& command, RigOptions& options);
 /// As of --key-file, else the rig file's, else this user's. Fails with one line.
 Result<authentication::Key> lab_key(const RigOptions& options, const RigFile& rig);
 
+/// A file that an option names, whole. Fails with "--plan: FILE: what".
+Result<std::string> read_option_file(const char* option, const std::string& file);
+
 /// Adds --photographs and --effort.
 void add_photograph_options(CLI::App& command, PhotographOptions& options);
 

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "common/command_line/command_line.hpp"
-#include "common/config/files.hpp"
 #include "common/messages/json_conversions.hpp"
 #include "common/messages/parsed_json.hpp"
 #include "host/archive/redigitize.hpp"
@@ -130,7 +129,7 @@ struct ShotOptions {
 Result<ChangedShot> change(const ShotOptions& options, const StoredSession& session, const Shot& shot) {
   if (options.undo_edit) return take_back(session, shot);
   if (options.edit_file.empty()) return ChangedShot{shot, false};
-  const auto corrections = config::read_file(options.edit_file);
+  const auto corrections = read_option_file("--edit", options.edit_file);
   if (!corrections) return tl::unexpected(corrections.error());
   return put_correction(session, shot, *corrections, options.edit_file, author_now());
 }

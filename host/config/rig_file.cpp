@@ -152,7 +152,7 @@ Result<RigFile> load_rig(const std::string& path) {
   if (!found) return tl::unexpected(found.error());
   const std::string& file = *found;
   const auto text = read_file(file);
-  if (!text) return tl::unexpected(text.error());
+  if (!text) return fail("rig file " + text.error().message);
   auto rig = read_rig(*text, file);
   const std::filesystem::path beside = file == "-" ? "" : std::filesystem::path(file).parent_path();
   if (!rig) return rig;

@@ -164,7 +164,9 @@ Result<std::unique_ptr<PhotographPipeline>> open_pipeline(const RigFile& rig,
         "photographs need a scale: camera.px_per_m (strobe calibrate) or analysis.px_per_m in the rig file");
   }
   auto folder = CameraFolder::open(name, now.mono);
-  if (!folder) return tl::unexpected(folder.error());
+  if (!folder)
+    return fail((options.folder.empty() ? "camera.folder of the rig file: " : "--photographs: ") +
+                folder.error().message);
   const digitize::Effort effort = digitize::effort_from_name(options.effort).value();
   auto pipeline = std::make_unique<PhotographPipeline>(
       clock, std::move(*folder),

@@ -21,7 +21,7 @@ struct Case {
   const char* what;
   Command command;
   int code;
-  const char* word;  ///< what the line must name
+  std::string word;  ///< what the line must name
 };
 
 std::string complaints(const std::vector<Case>& cases) {
@@ -194,6 +194,27 @@ TEST(CommandLine, LinesThatAnotherProgramHoldsAreNamed) {
   CHECK_EQUAL(
       "", complaints({{"busy chip", second, 2, "busy"},
                       {"busy outputs", safe, 1, "strobe_a: cannot take line 0: Device or resource busy"}}));
+}
+
+TEST(CommandLine, FilesAndFoldersThatAreNotThereAreNamedWithTheOptionOrFieldThatNamesThem) {
+  const std::string none = folder / "none";
+  const std::string lost = rig("lost.toml", "#calibration = ", "calibration = ");
+  const std::string picture = file("picture.png", "no picture");
+  const std::string scaled = file("scaled.toml", "rig = \"b\"\n[camera]\npx_per_m = 2000\nfolder = \"none\"\n");
+  const auto fire = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"fire", "--session", folder / "session"});
+    return with_strobe(more);
+  };
+  CHECK_EQUAL("", complaints({
+                      {"rig file", fire({"--rig", none}), 2, "rig file " + none + ": No such file"},
+                      {"plan", fire({"--plan", none}), 2, "--plan: " + none + ": No such file"},
+                      {"calibration", fire({"--rig", lost}), 2, lost + ": camera.calibration: "},
+                      {"camera's folder", fire({"--rig", scaled}), 2, "camera.folder of the rig file: " + none},
+                      {"photographs", fire({"--rig", scaled, "--photographs", none}), 2, "--photographs: " + none},
+                      {"times", with_strobe({"digitize", picture, "--times", none}), 2, "--times: " + none},
+                      {"corrections", with_strobe({"digitize", picture, "--edit", none}), 2, "--edit: " + none},
+                      {"session", with_strobe({"series", none}), 2, none + ": no such folder of a session"},
+                  }));
 }
 
 TEST(CommandLine, WrongFramesAreNamedWithTheirLine) {

@@ -138,7 +138,7 @@ TEST(RigFileOfTheHost, NamesWhatIsWrongInItsOwnTables) {
 }
 
 TEST(RigFileOfTheHost, AFileThatIsNotThereIsNamed) {
-  STRCMP_CONTAINS("/nowhere/rig.toml: No such file",
+  STRCMP_CONTAINS("rig file /nowhere/rig.toml: No such file",
                   host::load_rig("/nowhere/rig.toml").error().message.c_str());
 }
 
