@@ -180,7 +180,7 @@ void print_json(const CalibrateOptions& options, const Boards& boards, const Cam
   std::printf("%s\n", messages::json_text(out).c_str());
 }
 
-void print_text(const CameraTable& table, const camera::Calibration& found) {
+void print_text(const Boards& boards, const CameraTable& table, const camera::Calibration& found) {
   fmt::print("scale          {:.3f} px/m, sd {:.3f} ({:.4f} %: points {:.4f}, print {:.4f}, place {})\n",
              *table.px_per_m, found.px_per_m_sd(), 100.0 * found.scale_errors.total(),
              100.0 * found.scale_errors.points, 100.0 * found.scale_errors.print,
@@ -197,6 +197,7 @@ void print_text(const CameraTable& table, const camera::Calibration& found) {
   }
   fmt::print("board          {}, over {:.0f} % of the photograph; {} photograph{}\n", *table.board,
              100.0 * found.covered_share, *table.photographs, *table.photographs == 1 ? "" : "s");
+  for (const std::string& why : boards.left_out) fmt::print("left out       {}\n", why);
 }
 
 /// Where the calibration goes: beside the rig file, as that says.
@@ -238,7 +239,7 @@ int run_calibrate(const CalibrateOptions& options) {
     if (const auto done = config::write_file(path.string(), calibration_text(table)); !done)
       return bad_input("calibrate: " + done.error().message);
   }
-  options.json ? print_json(options, *boards, table, *found) : print_text(table, *found);
+  options.json ? print_json(options, *boards, table, *found) : print_text(*boards, table, *found);
   for (const std::string& remark : found->remarks) {
     std::fprintf(stderr, "strobe: calibrate: note: %s\n", remark.c_str());
   }

@@ -64,7 +64,7 @@ TEST(LampJudgement, KnowsThatALongCallLeavesTheDelayOpen) {
   is_not_told("the calls that set the line take 12 us",
               judge_lamp_alone(Lamps::a, train(Lamps::a, {.call_us = 12.0}), {}));
   is_not_told("the calls that set the line take 12 us",
-              judge_lamp_alone(Lamps::a, train(Lamps::a, {.delay_us = 7.0, .call_us = 12.0}), {}));
+              judge_lamp_alone(Lamps::a, train(Lamps::a, {.delay_us = 18.0, .call_us = 12.0}), {}));
   CHECK_EQUAL("delay_off", fault_alone({.delay_us = 40.0, .call_us = 12.0}));
 }
 
