@@ -14,6 +14,7 @@
 
 #include "common/reduction/flags.hpp"
 #include "common/reduction/readout.hpp"
+#include "sim/scene/faults.hpp"
 #include "tests/readme/markdown.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/string_from.hpp"
@@ -313,6 +314,12 @@ TEST(Readme, EveryFlagOfAReadoutIsDescribed) {
   const std::set<std::string> described(cells.begin(), cells.end());
   for (const std::string_view flag : strobe::reduction::kFlagNames)
     CHECK_TEXT(described.count(std::string(flag)) == 1, std::string(flag).c_str());
+}
+
+TEST(Readme, EveryFaultOfASceneIsDescribed) {
+  const std::vector<std::string> cells = first_cells(text_of("sim/README.md"));
+  for (const std::string_view fault : strobe::sim::kFaultNames)
+    CHECK_TEXT(std::ranges::count(cells, fault) == 1, std::string(fault).c_str());
 }
 
 TEST(Readme, EveryQuantityOfAReadoutIsDescribed) {
