@@ -153,7 +153,7 @@ StepResult judge_timing(const Names& names, const Tally& tally, const host::Comm
       names.own, delays.mean_us, delays.sd_us(), names.expected_us, delays.jitter_us, tally.planned);
   hold(result, delays.of_jitter_us, {.most = limits.jitter_limit_us}, "jitter",
        "look for noise on the lamp's trigger and the sensor's threshold");
-  const bool by_calls = delays.half_width_us > delays.mean_sd_us;
+  const bool by_calls = delays.half_width_us > 0.1 * limits.delay_tolerance_us;
   hold(result, interval(delays.mean_us, delays.sd_us()), within(limits.delay_tolerance_us, names.expected_us),
        "delay_off",
        fmt::format("if lamp and sensor are what they should be, write delay_{}_us = {:.1f} into [lamps] and "
