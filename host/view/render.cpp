@@ -191,7 +191,8 @@ Lines render_firmware(const ViewModel& model, std::size_t width) {
     if (model.all) append(lines, render_timing(s));
   }
   if (const std::string unverified = unverified_text(model); !unverified.empty()) lines.push_back(unverified);
-  if (const std::string blocking_reason = why_nothing_can_be_fired(model); !blocking_reason.empty())
+  const std::string blocking_reason = why_nothing_can_be_fired(model);
+  if (!blocking_reason.empty() && blocking_reason != model.danger)
     lines.push_back("cannot fire: " + blocking_reason);
   if (!model.activity.empty()) lines.push_back(model.activity);
   return fitted(std::move(lines), width);

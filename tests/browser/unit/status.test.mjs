@@ -85,8 +85,16 @@ test("each thing that is not as it should be is one line", () => {
 });
 
 test("progress counts what is wanted where that is known", () => {
-  assert.equal(progress(good), "7 shots, 6 counted of 20 wanted");
-  assert.equal(progress({ ...good, shots: 1, counted: 1, wanted: null }), "1 shot, 1 counted");
+  assert.equal(progress(good), "6 of 20 counted, 7 shots since strobe was started");
+  assert.equal(progress({ ...good, shots: 1, counted: 1, wanted: null }), "1 shot since strobe was started, 1 counted");
+  assert.equal(progress({ ...good, shots: 14, counted: 0, wanted: null }), "14 shots since strobe was started, none counted");
+  assert.equal(progress({ ...good, shots: 0, counted: 0, wanted: null }), "0 shots since strobe was started");
+});
+
+test("what is told as a danger is not told again as what is missing", () => {
+  const danger = "THE OUTPUTS MAY BE ACTIVE: press the e-stop";
+  assert.equal(missing({ ...good, danger, missing: danger }), "");
+  assert.equal(missing({ ...good, danger, missing: "the key is off" }), "the key is off");
 });
 
 test("a page that lost its host says since when", () => {

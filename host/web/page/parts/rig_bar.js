@@ -50,7 +50,7 @@ export class RigBar {
     );
     const words = missing(status);
     setText(this.missing, words ? `Cannot fire: ${words}` : "");
-    this.tellMissing(words);
+    if (!status?.danger) this.tellMissing(words);
     setText(this.activity, status?.activity ?? "");
     showIfNew(this.cautions, cautions(status), (all) => all.map((words) => h("li", {}, words)));
     const can = { ...state?.can, ...status?.can };
@@ -87,8 +87,7 @@ function banner(kind, title) {
     "div",
     { class: `banner ${kind}`, role: "alert", hidden: true },
     h("span", { class: "icon", "aria-hidden": "true" }, "!"),
-    h("strong", {}, `${title}: `),
-    text,
+    h("p", {}, h("strong", {}, `${title}: `), text),
   );
   const say = (words) => {
     setText(text, words);

@@ -35,16 +35,18 @@ function fact(name, known, silent) {
   return silent && known ? { name, text: `was ${text}`, level: "caution" } : { name, text, level };
 }
 
-/// "7 shots, 6 counted of 20 wanted"
+/// "6 of 20 counted, 7 shots since strobe was started": shots are numbered from the firmware's start, and a series that is gone
+/// on with counts those before.
 export function progress(status) {
   if (!status) return "";
-  const wanted = Number.isFinite(status.wanted) ? ` of ${status.wanted} wanted` : "";
-  return `${count(status.shots ?? 0, "shot")}, ${status.counted ?? 0} counted${wanted}`;
+  const shots = `${count(status.shots ?? 0, "shot")} since strobe was started`;
+  if (Number.isFinite(status.wanted)) return `${status.counted ?? 0} of ${status.wanted} counted, ${shots}`;
+  return status.shots > 0 ? `${shots}, ${status.counted || "none"} counted` : shots;
 }
 
-/// Why nothing can be fired, in words, or "".
+/// Why nothing can be fired, in words, or ""; a danger says so itself.
 export function missing(status) {
-  if (!status) return "";
+  if (!status || (status.danger && status.missing === status.danger)) return "";
   if (status.missing) return status.missing;
   if (status.state === "never_heard") return "no firmware heard";
   return status.state === "silent" ? `the firmware has been silent for ${duration(status.age_s)}` : "";
