@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
 #include "host/config/notes.hpp"
 #include "host/report/report.hpp"
 #include "host/series/compare.hpp"
 #include "host/view/series_json.hpp"
+#include "host/web/conditions.hpp"
 #include "host/web/detail_json.hpp"
 #include "host/web/shot_json.hpp"
 
@@ -90,41 +93,84 @@ struct Chosen {
   }
 };
 
+/// Of a session, or of its shots that are like one of them.
+Answered<std::vector<host::ShotGroup>> conditions(Archive& archive, const std::string& id,
+                                                  const std::string& like, const Chosen& chosen = {},
+                                                  const std::vector<std::string>& over = {}) {
+  auto shots = archive.sessions.series_shots(id);
+  if (!shots) return tl::unexpected(shots.error());
+  std::erase_if(*shots, [&](const host::Shot& shot) {
+    return !chosen.has(host::value_of(shot, "spin"), host::note_number(shot.readout.record, "angle_deg"));
+  });
+  auto groups = conditions_of(std::move(*shots), like, over);
+  if (!groups) return unanswered(404, groups.error().message);
+  return std::move(*groups);
+}
+
+std::vector<std::string> words_between_commas(const std::string& text) {
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, ',');) words.push_back(word);
+  return words;
+}
+
+host::Series series_of(const std::vector<host::ShotGroup>& groups) {
+  host::Series series;
+  for (const host::ShotGroup& group : groups)
+    for (const host::Shot& shot : group.shots) series.add(shot);
+  return series;
+}
+
+/// Of rows, those of the groups' shots.
+void keep_rows_of(const std::vector<host::ShotGroup>& groups, std::vector<ShotRow>& rows) {
+  std::set<ShotKey> keys;
+  for (const host::ShotGroup& group : groups)
+    for (const host::Shot& shot : group.shots) keys.insert(shot.key());
+  std::erase_if(rows, [&](const ShotRow& row) { return !keys.contains(row.key); });
+}
+
 Response show_series(Archive& archive, const Request& request) {
-  const std::string id = session_of(request);
+  const std::string id = session_of(request), like = asked(request, "like");
   const Chosen chosen{asked(request, "spin"), asked(request, "angle")};
   auto rows = archive.sessions.rows(id);
   if (!rows) return error_response(rows.error());
   std::erase_if(*rows, [&](const ShotRow& row) { return !chosen.has(row.spin, row.angle_deg); });
-  const auto shots = archive.sessions.series_shots(id);
-  if (!shots) return error_response(shots.error());
-  host::Series series;
-  for (const host::Shot& shot : *shots) {
-    const auto& record = shot.readout.record;
-    const auto spin = record.find("spin");
-    if (chosen.has(spin == record.end() ? "" : spin->second, host::note_number(record, "angle_deg")))
-      series.add(shot);
-  }
-  return json_response(series_page_json(series.summary(id), condition_of(*rows), *rows));
+  const auto groups = conditions(archive, id, like, chosen, words_between_commas(asked(request, "over")));
+  if (!groups) return error_response(groups.error());
+  if (!like.empty()) keep_rows_of(*groups, *rows);
+  const std::vector<std::string> differ = differences(*groups);
+  ordered_json page{
+      {"summary", nullptr}, {"points", ordered_json::array()}, {"limits", nullptr}, {"thesis", nullptr}};
+  if (!is_mixture(*groups))
+    page = series_page_json(series_of(*groups).summary(id), condition_of(*rows), *rows);
+  page["conditions"] = conditions_json(*groups, differ);
+  page["differ"] = differ;
+  return json_response(page);
 }
 
 Response compare_sessions(Archive& archive, const Request& request) {
-  std::array<host::Series, 2> series;
+  std::array<std::vector<host::ShotGroup>, 2> groups;
   const std::array<std::string, 2> ids{asked(request, "first"), asked(request, "second")};
+  const std::array<const char*, 2> like{"first_like", "second_like"};
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    const auto shots = archive.sessions.series_shots(ids[i]);
-    if (!shots) return error_response(shots.error());
-    for (host::Shot shot : *shots) {
-      shot.session = ids[i];
-      series[i].add(shot);
-    }
+    auto of_session = conditions(archive, ids[i], asked(request, like[i]));
+    if (!of_session) return error_response(of_session.error());
+    groups[i] = std::move(*of_session);
   }
-  ordered_json object = host::comparison_json(ids[0], ids[1], host::compare(series[0], series[1]));
+  const std::array series{series_of(groups[0]), series_of(groups[1])};
+  std::vector<host::ShotGroup> both = groups[0];
+  both.insert(both.end(), groups[1].begin(), groups[1].end());
+  const std::vector<std::string> differ = differences(both);
+  const bool mixed = is_mixture(groups[0]) || is_mixture(groups[1]);
+  ordered_json object{{"compare", ids}, {"quantities", nullptr}};
+  if (!mixed) object = host::comparison_json(ids[0], ids[1], host::compare(series[0], series[1]));
   for (std::size_t i = 0; i < ids.size(); ++i) {
     const host::SeriesSummary summary = series[i].summary(ids[i]);
-    object["series"].push_back(host::series_json(summary, std::nullopt));
+    object["series"].push_back(mixed ? ordered_json() : host::series_json(summary, std::nullopt));
     object["n"].push_back(summary.counted);
+    object["conditions"].push_back(conditions_json(groups[i], differ));
   }
+  object["differ"] = differ;
   return json_response(object);
 }
 

@@ -1,14 +1,17 @@
 #include "host/web/live_state.hpp"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
 #include "common/messages/parsed_json.hpp"
+#include "host/series/select.hpp"
 #include "host/session/shot_table.hpp"
 #include "host/view/render.hpp"
 #include "host/view/timing.hpp"
+#include "host/web/conditions.hpp"
 #include "host/web/http/worker.hpp"
 #include "host/web/shot_json.hpp"
 
@@ -122,8 +125,24 @@ void LiveState::take(host::Shot shot) {
   }
   hub_.publish("shot", std::move(text));
   if (shot.dry) return;
-  rows_.push_back(row);
-  series_.add(shot);
+  LiveSeries& series = series_like(shot);
+  series.rows.push_back(row);
+  series.series.add(shot);
+}
+
+/// Shots of other conditions may come in turn: each goes to its own series, and the newest one's is shown.
+LiveState::LiveSeries& LiveState::series_like(const host::Shot& shot) {
+  const auto found = std::ranges::find_if(all_series_, [&](const LiveSeries& each) {
+    return host::differing_keys({&each.first, &shot}).empty();
+  });
+  if (found != all_series_.end()) {
+    std::rotate(found, found + 1, all_series_.end());
+    return all_series_.back();
+  }
+  LiveSeries& added = all_series_.emplace_back();
+  added.first.rig = shot.rig;
+  added.first.readout.record = shot.readout.record;
+  return added;
 }
 
 void LiveState::take(LiveNotification notification) {
@@ -137,8 +156,16 @@ void LiveState::take(LiveNotification notification) {
 }
 
 void LiveState::publish_series() {
-  if (rows_.empty()) return;
-  std::string text = line_of(series_page_json(series_.summary("series"), setup_.thesis, rows_));
+  if (all_series_.empty()) return;
+  const auto& [first, series, rows] = all_series_.back();
+  ordered_json page = series_page_json(series.summary("series"), setup_.thesis, rows);
+  std::vector<const host::Shot*> firsts;
+  for (const LiveSeries& each : all_series_) firsts.push_back(&each.first);
+  page["conditions"] = {{{"name", condition_words(first, host::differing_keys(firsts))},
+                         {"counted", series.counted()},
+                         {"like", rows.back().name}}};
+  page["differ"] = ordered_json::array();
+  std::string text = line_of(page);
   {
     const std::lock_guard lock(mutex_);
     series_text_ = std::move(text);

@@ -53,10 +53,18 @@ class LiveState {
   static constexpr std::size_t kMaxNotifications = 50;
 
  private:
+  /// Shots of one condition.
+  struct LiveSeries {
+    host::Shot first;  ///< what says which: record and rig
+    host::Series series;
+    std::vector<ShotRow> rows;
+  };
+
   void run();
   void take(LiveStatus status);
   void take(host::Shot shot);
   void take(LiveNotification notification);
+  LiveSeries& series_like(const host::Shot& shot);
   void publish_series();
 
   const LiveSetup setup_;
@@ -64,8 +72,7 @@ class LiveState {
   EventHub& hub_;
 
   // The thread's alone.
-  host::Series series_;
-  std::vector<ShotRow> rows_;
+  std::vector<LiveSeries> all_series_;  ///< the newest shot's last
   std::vector<ShotKey> shots_;
 
   mutable std::mutex mutex_;

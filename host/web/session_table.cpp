@@ -57,6 +57,14 @@ ordered_json common_json(const std::vector<ShotRow>& rows, Of of) {
   return of(rows.front());
 }
 
+/// What the rows name, each once.
+std::set<std::string> all_names(const std::vector<ShotRow>& rows, std::string ShotRow::*of) {
+  std::set<std::string> names;
+  for (const ShotRow& row : rows)
+    if (!(row.*of).empty()) names.insert(row.*of);
+  return names;
+}
+
 std::optional<double> cell_number(const std::string& text) {
   double value = 0.0;
   const char* end = text.data() + text.size();
@@ -107,6 +115,8 @@ class ResultsColumns {
     row.flags = words_between(named("flags"), ';');
     row.spin = named("spin");
     row.angle_deg = cell_number(named("angle_deg"));
+    row.surface = named("surface_name");
+    row.ball = named("ball_name");
     row.digitization = named("digitization");
     return row;
   }
@@ -143,6 +153,8 @@ ordered_json session_json(const SessionTable& table, bool live) {
           {"spin", common_json(table.rows, [&](const ShotRow& row) { return word(row.spin); })},
           {"angle_deg",
            common_json(table.rows, [](const ShotRow& row) { return messages::or_null(row.angle_deg); })},
+          {"surfaces", all_names(table.rows, &ShotRow::surface)},
+          {"balls", all_names(table.rows, &ShotRow::ball)},
           {"live", live},
           {"problem", word(table.problem)}};
 }

@@ -28,8 +28,8 @@ std::vector<ShotRow> shot_rows(const std::vector<host::ResultsRow>& results);
 /// What cannot be read is absent, and told. A line that a host is still writing is left out.
 SessionTable read_table(const std::filesystem::path& folder);
 
-/// {"id","utc","shots","counted","rig","spin","angle_deg","live","problem"}: a spin or angle that all shots
-/// have.
+/// {"id","utc","shots","counted","rig","spin","angle_deg","surfaces","balls","live","problem"}: a spin or
+/// angle that all shots have, and the names of all surfaces and balls.
 nlohmann::ordered_json session_json(const SessionTable& table, bool live);
 
 /// Shots of which a photograph was measured again: results.csv need not know of it.

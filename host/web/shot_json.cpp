@@ -8,6 +8,7 @@
 #include "common/messages/parsed_json.hpp"
 #include "common/reduction/uncertainty.hpp"
 #include "host/config/notes.hpp"
+#include "host/series/select.hpp"
 #include "host/series/series.hpp"
 #include "host/session/shot_table.hpp"
 #include "host/view/series_json.hpp"
@@ -91,7 +92,9 @@ ShotRow shot_row(const host::Shot& shot) {
     const auto q = static_cast<Quantity>(i);
     row.total_sd[q] = reduction::total_sd(readout, q);
   }
-  if (const auto spin = readout.record.find("spin"); spin != readout.record.end()) row.spin = spin->second;
+  row.spin = host::value_of(shot, "spin");
+  row.surface = host::value_of(shot, "surface_name");
+  row.ball = host::value_of(shot, "ball_name");
   row.angle_deg = host::note_number(readout.record, "angle_deg");
   return row;
 }
@@ -116,7 +119,9 @@ ordered_json shot_json(const ShotRow& row, const std::optional<std::string>& ses
           {"digitization", word_or_null(row.digitization)},
           {"values", values_json(row.value, row.total_sd)},
           {"spin", word_or_null(row.spin)},
-          {"angle_deg", or_null(row.angle_deg)}};
+          {"angle_deg", or_null(row.angle_deg)},
+          {"surface", word_or_null(row.surface)},
+          {"ball", word_or_null(row.ball)}};
 }
 
 ordered_json quantities_json() {

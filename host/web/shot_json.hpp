@@ -30,6 +30,7 @@ struct ShotRow {
   reduction::Quantities value, total_sd;
   std::string spin;  ///< the series' label; empty: none
   std::optional<double> angle_deg;
+  std::string surface, ball;  ///< their names in the record; empty: not stated
 };
 
 ShotRow shot_row(const host::Shot& shot);

@@ -1,7 +1,8 @@
 // Sessions that were fired before: many shots, strange names, every view in both themes and on a narrow screen.
 import assert from 'node:assert/strict';
 import { accessibility, screenshot } from './harness/browser.mjs';
-import { check, markup, served, view } from './harness/lab.mjs';
+import { check, leave, markup, served, view } from './harness/lab.mjs';
+import { endanger, layoutFaults, widths } from './harness/layout.mjs';
 import { until } from './harness/programs.mjs';
 import { goto, settled } from './harness/reading.mjs';
 
@@ -38,6 +39,49 @@ export function archive() {
     }
   });
 
+  check('a danger stands on top in one line of words, once, whatever the width', async () => {
+    const words = 'THE OUTPUTS MAY BE ACTIVE: press the e-stop, and cut the power of lamps and machine: the worker died of signal 9 (Killed); /dev/gpiochip0: Device or resource busy';
+    const watched = await view((await served()).url);
+    await endanger(watched, words);
+    await settled(watched);
+    assert.equal(await watched.getByRole('alert').innerText(), `!\nDanger: ${words}`);
+    assert.match(await watched.title(), /^DANGER/);
+    for (const width of widths) {
+      await watched.setViewportSize({ width, height: 800 });
+      assert.deepEqual(await layoutFaults(watched), [], `${width} pixels wide`);
+    }
+    assert.deepEqual(await accessibility(watched), []);
+    await leave(watched);
+  });
+
+  check('from afar four numbers are read, to one digit of their sd; others are chosen, and kept', async () => {
+    const { shot } = await served();
+    await goto(page, 'shot', 'today', shot);
+    await settled(page);
+    const toggle = page.getByRole('button', { name: 'Read from afar' });
+    await toggle.click();
+    const numbers = () => page.locator('.afar-numbers > div').evaluateAll((all) => all.map((each) => [each.querySelector('dt').textContent, each.querySelector('dd').textContent]));
+    const four = await numbers();
+    assert.equal(four.length, 4);
+    for (const [label, number] of four) assert.match(number, /^\u2212?\d+(\.\d+)? ± (0?\.0*[1-9]0?|0\.0*[1-9]0?|\d+)$/, label);
+    await page.getByText('Which numbers').click();
+    await page.getByRole('checkbox', { name: 'dwell time' }).check();
+    await page.getByRole('checkbox', { name: 'impulse ratio mu' }).uncheck();
+    await page.reload();
+    await settled(page);
+    await toggle.click();
+    const chosen = (await numbers()).map(([label]) => label);
+    assert.equal(chosen.length, 4);
+    assert.ok(chosen.some((label) => label.startsWith('dwell time')) && !chosen.includes('impulse ratio mu'), chosen.join());
+    for (const width of widths) {
+      await page.setViewportSize({ width, height: 800 });
+      assert.deepEqual(await layoutFaults(page), [], `${width} pixels wide`);
+    }
+    assert.deepEqual(await accessibility(page), []);
+    await page.setViewportSize({ width: 1280, height: 800 });
+    await toggle.click();
+  });
+
   // Each view as an operator finds it: what is on it is reached without a mouse, read by a screen reader, and fits a telephone.
   const views = [['shot', 'today'], ['series', 'today'], ['history', 'today'], ['history'], ['compare', { first: 'today', second: markup }], ['timing'], ['commission'], ['report', 'today']];
   for (const parts of views) {
@@ -51,13 +95,15 @@ export function archive() {
         assert.deepEqual(await accessibility(page, { frames: theme === 'light' }), [], theme);
         await screenshot(page, `${name}-${theme}`);
       }
-      await page.setViewportSize({ width: 360, height: 740 });
-      let width;
-      await until(async () => (width = await page.evaluate(() => document.scrollingElement.scrollWidth)) <= 360, 'charts of the new width', 10_000).catch(() => {});
-      await settled(page);
+      for (const width of [...widths].reverse()) {
+        await page.setViewportSize({ width, height: 800 });
+        let faults;
+        // Charts follow the width a frame or two later.
+        await until(async () => (faults = await layoutFaults(page)).length === 0, 'its layout', 5000).catch(() => {});
+        assert.deepEqual(faults, [], `${width} pixels wide`);
+      }
       await screenshot(page, `${name}-narrow`);
       await page.setViewportSize({ width: 1280, height: 800 });
-      assert.ok(width <= 360, `${width} pixels wide`);
       const controls = await page.locator('button, a, input, [role=button]').evaluateAll((all) => all.map((each) => each.ariaLabel || each.textContent || each.value || ''));
       assert.deepEqual(controls.filter((words) => /\b(fire|shoot|arm|trigger)\b/i.test(words)), []);
     }, { expected: /404: .*\/commission$/ });

@@ -17,7 +17,9 @@ test("decimals go from none to six", () => {
   assert.equal(decimalsFor(0.1), 2);
   assert.equal(decimalsFor(0.0999), 3);
   assert.equal(decimalsFor(9.99), 1);
-  assert.equal(decimalsFor(10, 1), 1);
+  assert.equal(decimalsFor(0.0036, 1), 3);
+  assert.equal(decimalsFor(0.25, 1), 1);
+  assert.equal(decimalsFor(12, 1), 0);
 });
 
 test("without an uncertainty there are three decimals", () => {

@@ -4,7 +4,7 @@ import {
   clockWords, recordWords, spread, stepDoubts, stepNumber, stepState,
 } from "../../../host/web/page/words/rig.js";
 import { parseRoute, routeTo } from "../../../host/web/page/words/routes.js";
-import { announcement, condition, remarks, verdict } from "../../../host/web/page/words/shots.js";
+import { announcement, condition, keyWords, remarks, verdict } from "../../../host/web/page/words/shots.js";
 import { dateAndTime, duration } from "../../../host/web/page/words/numbers.js";
 
 test("a route is read back as it was written, whatever is in its names", () => {
@@ -56,9 +56,18 @@ test("a new shot is announced in one sentence", () => {
   );
 });
 
-test("a condition is spin and angle, as far as they are known", () => {
+test("a condition is spin, angle, surface and ball, as far as they are known", () => {
+  assert.equal(condition({ spin: "zero", angle_deg: 23, surface: "acrylic", ball: "ITF type 2" }), "zero 23°, acrylic, ITF type 2");
+  assert.equal(condition({ angle_deg: 23, surfaces: ["acrylic", "cushion"], balls: [] }), "23°, acrylic and cushion");
+  assert.equal(condition({ surface: null, ball: "old" }), "old");
+  assert.equal(condition(null), "");
   assert.equal(condition({ spin: "top", angle_deg: 34 }), "top 34°");
   assert.equal(condition({ spin: null, angle_deg: null }), "");
+});
+
+test("what shots differ in is told in words", () => {
+  assert.equal(keyWords(["surface_name"]), "surface");
+  assert.equal(keyWords(["surface_angle_deg", "operator", "temperature_c"]), "surface angle, operator and temperature");
 });
 
 test("times are told in UTC, ages in the largest unit that fits", () => {

@@ -95,6 +95,13 @@ void WrittenRun::summary(int shot_id, std::int64_t boot_id, std::int64_t by_host
   shot.last_sequence = sequence;
   shot.aborted = !abort_reason.empty();
   shot.abort_reason = abort_reason;
+  for (const auto& [key, value] : notes) {
+    strobe_msgs::note_t note;
+    note.key = key;
+    note.value = value;
+    shot.notes.push_back(note);
+  }
+  shot.note_count = static_cast<std::int32_t>(shot.notes.size());
   log(Channel::shot, shot);
 }
 

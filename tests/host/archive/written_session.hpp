@@ -25,6 +25,8 @@ class WrittenRun {
   WrittenRun(const std::filesystem::path& folder, const authentication::Key& key, std::int64_t host_id,
              int second, const std::string& rig_text = "rig = \"bench\"\n[machine]\nlag_ms = 310\n");
 
+  /// The record of the shots from here on.
+  std::vector<std::pair<std::string, std::string>> notes{};
   /// The firmware's clock; every message moves it, and the log's time, by a millisecond.
   std::int64_t mono_ns = 4'000'000'000'000;
   void wait_s(double seconds);

@@ -67,6 +67,14 @@ TEST_GROUP(ArchiveRoutes) {
     const auto read = host::read_session(folder, {"", key_file.string(), {}}).value();
     run.folder().add(read.shots.back(), utc(shot));
   }
+  /// Six shots: three on each, the second three with the ball's name, too.
+  void write_on_two_surfaces(const std::string& name) {
+    WrittenRun run(sessions / name, key, 5, 0);
+    run.notes = {{"surface_name", "acrylic"}};
+    for (int shot = 1; shot <= 3; ++shot) add(run, sessions / name, shot);
+    run.notes = {{"surface_name", "cushion"}, {"ball_name", "ITF type 2"}};
+    for (int shot = 4; shot <= 6; ++shot) add(run, sessions / name, shot);
+  }
   web::Response ask(const std::string& path, std::map<std::string, std::string> query = {}) {
     web::Request request{"GET", "/api/v1" + path, std::move(query), {}, "", ""};
     return router.route(request);
@@ -273,6 +281,50 @@ TEST(ArchiveRoutes, CompareTwoSessionsAndSummarizeOne) {
   DOUBLES_EQUAL(0.0, both["quantities"]["e"]["difference"].get<double>(), 1e-12);  // the same shots
   json("/compare", {{"first", "first"}, {"second", "../first"}}, 404);
   json("/compare", {}, 404);
+}
+
+TEST(ArchiveRoutes, MakeNoMeanOverSurfacesUnlessAsked) {
+  write("first", 3, 0);
+  write_on_two_surfaces("mixed");
+  const ordered_json mixed = json("/sessions/mixed/series");
+  CHECK(mixed["summary"].is_null() && mixed["limits"].is_null() && mixed["points"].empty());
+  CHECK_EQUAL(R"(["surface_name","ball_name"])", mixed["differ"].dump());
+  CHECK_EQUAL(R"([{"name":"acrylic, no ball","counted":3,"like":"1"},{"name":"cushion, ITF type 2","counted":3,"like":"4"}])",
+              mixed["conditions"].dump());
+  const ordered_json one = json("/sessions/mixed/series", {{"like", "5"}});
+  LONGS_EQUAL(3, one["summary"]["counted"].get<int>());
+  LONGS_EQUAL(3, one["points"].size());
+  CHECK_EQUAL("4", one["points"][0]["name"].get<std::string>());
+  CHECK_EQUAL("[]", one["differ"].dump());
+  CHECK_EQUAL("cushion, ITF type 2", one["conditions"][0]["name"].get<std::string>());
+  const ordered_json over = json("/sessions/mixed/series", {{"over", "surface_name,ball_name"}});
+  LONGS_EQUAL(6, over["summary"]["counted"].get<int>());
+  CHECK_EQUAL("over surface, over ball", over["conditions"][0]["name"].get<std::string>());
+  json("/sessions/mixed/series", {{"like", "7"}}, 404);
+}
+
+TEST(ArchiveRoutes, CompareOneConditionOfEachSession) {
+  write_on_two_surfaces("mixed");
+  const ordered_json both = json("/compare", {{"first", "mixed"}, {"second", "mixed"}});
+  CHECK_TRUE(both["quantities"].is_null());
+  LONGS_EQUAL(2, both["conditions"][1].size());
+  CHECK_TRUE(json("/compare", {{"first", "mixed"}, {"first_like", "1"}, {"second", "mixed"}})["quantities"].is_null());
+  const ordered_json told = json("/compare", {{"first", "mixed"}, {"first_like", "1"}, {"second", "mixed"}, {"second_like", "4"}});
+  CHECK_EQUAL("[3,3]", told["n"].dump());
+  CHECK_EQUAL(R"(["surface_name","ball_name"])", told["differ"].dump());
+  CHECK_EQUAL("acrylic, no ball", told["conditions"][0][0]["name"].get<std::string>());
+  DOUBLES_EQUAL(0.0, told["quantities"]["e"]["difference"].get<double>(), 1e-12);  // the same flights
+}
+
+TEST(ArchiveRoutes, NameTheSurfacesAndBallsOfASession) {
+  write_on_two_surfaces("mixed");
+  const ordered_json session = json("/sessions")[0];
+  CHECK_EQUAL(R"(["acrylic","cushion"])", session["surfaces"].dump());
+  CHECK_EQUAL(R"(["ITF type 2"])", session["balls"].dump());
+  const ordered_json shots = json("/sessions/mixed/shots")["shots"];
+  CHECK_EQUAL("cushion", shots[0]["surface"].get<std::string>());
+  CHECK_EQUAL("acrylic", shots[5]["surface"].get<std::string>());
+  CHECK_TRUE(shots[5]["ball"].is_null());
 }
 
 TEST(ArchiveRoutes, WriteTheReportOfTheCommand) {

@@ -1,5 +1,6 @@
 #include "host/web/live_state.hpp"
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -88,6 +89,27 @@ TEST(LiveState, TellsAShotThenTheSeries) {
   CHECK_EQUAL("2026-01-31T09:30:09.000Z", is["last"]["utc"].get<std::string>());
   DOUBLES_EQUAL(0.5, is["last"]["values"]["vx_td_mps"]["sd"].get<double>(), 1e-12);  // of 0.3 and 0.4
   DOUBLES_EQUAL(15.5, is["series"]["summary"]["quantities"]["vx_td_mps"]["mean"].get<double>(), 1e-12);
+}
+
+TEST(LiveState, TellsTheSeriesOfTheNewestShotsConditionAlone) {
+  const auto on = [](const char* surface, int id, double vx_mps) {
+    host::Shot one = shot(id, vx_mps, "2026-01-31T09:30:00.000Z");
+    one.readout.record = {{"spin", "zero"}, {"angle_deg", "23"}, {"surface_name", surface}};
+    return one;
+  };
+  const std::array shots{on("acrylic", 1, 15.0), on("cushion", 2, 12.0), on("acrylic", 3, 16.0)};
+  const std::array<double, 3> means{15.0, 12.0, 15.5};
+  const std::array names{"zero 23°, acrylic", "zero 23°, cushion", "zero 23°, acrylic"};
+  for (std::size_t i = 0; i < shots.size(); ++i) {
+    tell(shots[i]);
+    while (live()["last"]["shot_id"] != shots[i].shot_id || live()["series"].is_null() ||
+           live()["series"]["points"].back()["name"] != std::to_string(shots[i].shot_id))
+      std::this_thread::yield();
+    const json series = live()["series"];
+    DOUBLES_EQUAL(means[i], series["summary"]["quantities"]["vx_td_mps"]["mean"].get<double>(), 1e-12);
+    CHECK_EQUAL(names[i], series["conditions"][0]["name"].get<std::string>());
+  }
+  LONGS_EQUAL(2, live()["series"]["points"].size());
 }
 
 TEST(LiveState, KeepsTheNewestNotificationsAsText) {

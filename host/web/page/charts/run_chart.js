@@ -5,11 +5,7 @@ import { fixed, inWords, unitWords } from "../words/numbers.js";
 import { meanCells } from "../words/shots.js";
 import { labelled, linear, nearestPoint, roundTicks, runChart } from "./run_chart_model.js";
 
-const HEIGHT = 200,
-  LEFT = 62,
-  RIGHT = 18,
-  TOP = 8,
-  BOTTOM = 22;
+const [HEIGHT, LEFT, RIGHT, TOP, BOTTOM] = [200, 62, 18, 8, 22];
 const MANY = 120; // shots, whose marks are small
 
 /// openShot(name) is called for a shot that is clicked, or chosen and confirmed with Enter.

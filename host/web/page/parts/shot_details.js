@@ -6,9 +6,7 @@ import { QUANTITY, table, UNIT } from "./table.js";
 
 /// kept: {open: Set of ids, budgetOf: name of a quantity}, what a person has chosen, from one shot to the next.
 export function shotDetails(quantities, detail, kept) {
-  const ontoggle = ({ target }) => (target.open ? kept.open.add(target.id) : kept.open.delete(target.id));
-  const part = (id, title, content) =>
-    content && details(title, content, { id, open: kept.open.has(id), ontoggle });
+  const part = (id, title, content) => content && keptDetails(kept, id, title, content);
   const { readout, budget, train, digitizations, record = readout?.record } = detail;
   return [
     part("all-numbers", "All numbers", readout && allNumbers(quantities, detail)),
@@ -17,6 +15,12 @@ export function shotDetails(quantities, detail, kept) {
     part("digitizations", "Digitizations", digitizations?.length && digitizationList(digitizations)),
     part("record", "Record", hasEntries(record) && factsTable("Record of the session", record)),
   ].filter(Boolean);
+}
+
+/// Open as the last time.
+export function keptDetails(kept, id, title, content) {
+  const ontoggle = ({ target }) => (target.open ? kept.open.add(target.id) : kept.open.delete(target.id));
+  return details(title, content, { id, open: kept.open.has(id), ontoggle });
 }
 
 function hasEntries(object) {
@@ -33,9 +37,7 @@ function allNumbers(quantities, { readout, values }) {
         rounded(values?.[q.name]?.value, total),
         unitWords(q.unit),
         plusMinus(total),
-        plusMinus(readout.sd?.[q.name]),
-        plusMinus(readout.sd_systematic?.[q.name]),
-        plusMinus(readout.expanded_uncertainty?.[q.name]),
+        ...["sd", "sd_systematic", "expanded_uncertainty"].map((kind) => plusMinus(readout[kind]?.[q.name])),
       ],
     };
   });
@@ -100,9 +102,7 @@ function digitizationList(all) {
   );
 }
 
-export function trainTable(train) {
-  return factsTable("Flash train", train);
-}
+export const trainTable = (train) => factsTable("Flash train", train);
 
 /// Any object of plain values, nested ones with their names joined.
 function factsTable(caption, object) {
@@ -130,9 +130,7 @@ function textOf(value) {
   return Array.isArray(value) ? value.map(textOf).join(", ") : String(value);
 }
 
-export function hasNumbers(shot) {
-  return Object.values(shot.values ?? {}).some((number) => Number.isFinite(number?.value));
-}
+export const hasNumbers = ({ values }) => Object.values(values ?? {}).some((n) => Number.isFinite(n?.value));
 
 export function essentialsTable(quantities, shot, series) {
   const summary = series?.counted > 0 ? series : null;

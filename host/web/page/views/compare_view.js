@@ -4,7 +4,7 @@ import { attempt, badge, choice, fill, h, quiet, viewHeading } from "../parts/do
 import { QUANTITY, table, UNIT } from "../parts/table.js";
 import { dateAndTime, rounded, significant, unitWords } from "../words/numbers.js";
 import { routeTo, withQuery } from "../words/routes.js";
-import { condition } from "../words/shots.js";
+import { condition, keyWords } from "../words/shots.js";
 
 export function compareView(main, { live, route, signal }) {
   const form = h("form", { class: "compare-choice" });
@@ -12,14 +12,14 @@ export function compareView(main, { live, route, signal }) {
   fill(main, viewHeading("Compare two series"), form, result);
   return attempt(result, "Comparison", async () => {
     const sessions = await getJson(path("sessions"), signal);
+    if (sessions.length === 0) return fill(result, quiet("No session yet."));
     showChoice(form, sessions, route.query);
     const { first, second } = route.query;
-    if (first && second) await compare(result, live.quantities, first, second, signal);
-    else
-      fill(
-        result,
-        quiet("Choose two sessions. What both share, as a calibration, cancels as far as it does."),
-      );
+    if (first && second) return compare(result, live.quantities, route.query, signal);
+    return fill(
+      result,
+      quiet("Choose two sessions. What both share, as a calibration, cancels as far as it does."),
+    );
   });
 }
 
@@ -37,17 +37,32 @@ function showChoice(form, sessions, { first, second }) {
   });
 }
 
-async function compare(place, quantities, first, second, signal) {
+async function compare(place, quantities, query, signal) {
   fill(place, quiet("Comparing."));
-  const answer = await getJson(withQuery(path("compare"), { first, second }), signal);
+  const answer = await getJson(withQuery(path("compare"), query), signal);
+  if (!answer.quantities) return fill(place, conditionChoices(answer, query));
   const known = quantities.filter((q) => answer.quantities[q.name]);
   if (known.length === 0) return fill(place, quiet("Two counted shots of each are needed."));
-  const [one, other] = answer.compare ?? [first, second];
+  const named = ({ name }) => name && ` (${name})`;
+  const [one, other] = answer.compare.map((session, i) => session + answer.conditions[i].map(named).join());
+  const { differ } = answer;
   return fill(
     place,
+    differ.length > 0 && h("p", {}, `The two differ in ${keyWords(differ)}.`),
     differencesTable(known, answer, one, other),
     quiet("Where the 95 % interval does not hold zero, the series differ."),
   );
+}
+
+/// Of a session whose shots differ one condition is compared.
+function conditionChoices({ conditions, differ }, query) {
+  const chosen = ["first", "second"].map((side, i) => {
+    if (conditions[i].length < 2) return null;
+    const options = conditions[i].map(({ name, counted, like }) => [like, `${name}, ${counted} counted`]);
+    const open = (like) => (location.hash = routeTo("compare", [], { ...query, [`${side}_like`]: like }));
+    return choice(`Which shots of ${query[side]}`, [["", "choose"], ...options], "", open).element;
+  });
+  return [h("p", {}, `The shots differ in ${keyWords(differ)}: no mean over them is made.`), chosen];
 }
 
 function differencesTable(known, answer, one, other) {
@@ -58,12 +73,9 @@ function differencesTable(known, answer, one, other) {
       head: q.label,
       cells: [
         unitWords(q.unit),
-        cell(d.difference),
-        cell(d.expanded_uncertainty),
+        ...[d.difference, d.expanded_uncertainty].map(cell),
         d.decided ? badge("plain", "differs") : "not decided",
-        cell(d.total_sd),
-        cell(d.standard_error),
-        cell(d.shared_sd),
+        ...[d.total_sd, d.standard_error, d.shared_sd].map(cell),
         significant(d.p_value),
         furtherShots(d),
       ],

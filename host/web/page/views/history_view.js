@@ -41,7 +41,7 @@ function sessionsTable(sessions) {
     [
       { title: "session", words: true },
       { title: "state", hidden: true, words: true },
-      ...["begun, UTC", "rig", "spin, angle"].map((title) => ({ title, words: true })),
+      ...["begun, UTC", "rig", "condition"].map((title) => ({ title, words: true })),
       "shots",
       { title: "its series", hidden: true, words: true },
       { title: "its report", hidden: true, words: true },
@@ -86,11 +86,7 @@ class SessionHistory {
   }
 
   filter(show) {
-    const options = [
-      ["all", "all shots"],
-      ["counted", "counted"],
-      ["rejected", "rejected"],
-    ];
+    const options = Object.entries({ all: "all shots", counted: "counted", rejected: "rejected" });
     return choice("Show", options, ["counted", "rejected"].includes(show) ? show : "all", (chosen) => {
       this.rows.filter(chosen);
       this.tell();
@@ -102,10 +98,8 @@ class SessionHistory {
     if (this.loading || !this.more) return;
     this.loading = true;
     try {
-      const address = withQuery(path("sessions", this.session, "shots"), {
-        limit: PAGE,
-        before: this.oldest,
-      });
+      const query = { limit: PAGE, before: this.oldest };
+      const address = withQuery(path("sessions", this.session, "shots"), query);
       const { shots, more } = await getJson(address, this.signal);
       this.more = more && shots.length > 0;
       this.oldest = shots.at(-1)?.name ?? this.oldest;
@@ -167,7 +161,7 @@ export class ShotRows {
     const columns = [
       "shot",
       { title: "fired, UTC", words: true },
-      { title: "spin, angle", words: true },
+      { title: "condition", words: true },
       ...this.quantities.map((q) => ({ title: q.label, unit: unitWords(q.unit) })),
       { title: "counts", words: true },
       { title: "why not, flags", words: true },
@@ -229,7 +223,7 @@ export class ShotRows {
       {},
       h("th", { scope: "row" }, h("a", { href: routeTo("shot", [shot.session ?? this.session, name]) }, name)),
       h("td", { class: "words fired" }, dateAndTime(shot.utc)),
-      h("td", { class: "words" }, condition(shot)),
+      h("td", { class: "words condition" }, condition(shot)),
       this.quantities.map(number),
       h("td", { class: "words verdict-cell" }, level === "plain" ? text : badge(level, text)),
       h("td", { class: "words reason" }, remarks(shot)),

@@ -15,15 +15,12 @@ export function reportView(main, { live, route, signal }) {
       location.hash = routeTo("report", [session]);
     };
     const address = path("sessions", shown, "report");
+    const options = sessions.map(({ id }) => [id, id]);
+    const alone = { href: address, target: "_blank", rel: "noopener" };
     fill(
       top,
-      choice(
-        "Session",
-        sessions.map((s) => [s.id, s.id]),
-        shown,
-        open,
-      ).element,
-      h("a", { href: address, target: "_blank", rel: "noopener" }, "Open it by itself (to print or sign)"),
+      choice("Session", options, shown, open).element,
+      h("a", alone, "Open it by itself (to print or sign)"),
     );
     const note = quiet("The report is being written; that may take a minute.");
     const frame = h("iframe", { src: address, title: `Report of ${shown}`, onload: () => note.remove() });

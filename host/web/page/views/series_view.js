@@ -3,13 +3,9 @@ import { drawAtWidth, legend, RunChart } from "../charts/run_chart.js";
 import { getJson, path } from "../live/api.js";
 import { attempt, details, fill, h, links, list, quiet, refill, viewHeading } from "../parts/dom.js";
 import { QUANTITY, table, UNIT } from "../parts/table.js";
-import { ABSENT, fixed, rounded, signed, unitWords } from "../words/numbers.js";
+import { ABSENT, count, fixed, rounded, signed, unitWords } from "../words/numbers.js";
 import { routeTo, withQuery } from "../words/routes.js";
-import { condition, digitsOf, outlierWords, shotsWords } from "../words/shots.js";
-
-export function seriesAddress(session, { spin, angle_deg }) {
-  return withQuery(path("sessions", session, "series"), { spin, angle: angle_deg });
-}
+import { digitsOf, keyWords, outlierWords, shotsWords } from "../words/shots.js";
 
 export function seriesView(main, { live, route, signal }) {
   const [session] = route.parts;
@@ -22,12 +18,13 @@ export function seriesView(main, { live, route, signal }) {
 
 class SeriesView {
   constructor(main, live, session, signal) {
-    Object.assign(this, { live, session, signal, charts: [], showsAll: false });
+    Object.assign(this, { live, session, signal, charts: [] });
     this.heading = viewHeading("Series");
     this.summary = h("section", { "aria-label": "Summary" });
     this.plots = h("section", { class: "run-charts", "aria-label": "Run charts" });
     this.all = h("input", { type: "checkbox", onchange: () => this.show() });
     this.numbers = details("All shots as a table", h("div", { class: "points" }), { id: "points" });
+    this.body = h("div", { hidden: true }, h("h2", {}, "Shot by shot"), legend(), this.plots, this.numbers);
     this.observer = drawAtWidth(() => this.charts, signal);
     fill(
       main,
@@ -38,22 +35,16 @@ class SeriesView {
         h("label", { class: "choice" }, this.all, h("span", {}, "All quantities")),
       ),
       this.summary,
-      h("h2", {}, "Shot by shot"),
-      legend(),
-      this.plots,
-      this.numbers,
+      this.body,
     );
     this.numbers.addEventListener("toggle", () => this.showPoints());
   }
 
-  fetch({ spin, angle }) {
-    const words = condition({ spin, angle_deg: angle === undefined ? NaN : Number(angle) });
-    this.heading.textContent = ["Series", words, "of", this.session].filter(Boolean).join(" ");
+  fetch(query) {
     fill(this.summary, quiet("Reading the session."));
-    const address = withQuery(path("sessions", this.session, "series"), { spin, angle });
-    return attempt(this.summary, `Series of ${this.session}`, async () =>
-      this.take(await getJson(address, this.signal)),
-    );
+    const address = withQuery(path("sessions", this.session, "series"), query);
+    const read = async () => this.take(await getJson(address, this.signal));
+    return attempt(this.summary, `Series of ${this.session}`, read);
   }
 
   take(series) {
@@ -67,8 +58,13 @@ class SeriesView {
 
   show() {
     const { series } = this;
-    if (!series?.summary) return fill(this.summary, quiet("No series yet: it begins with the first shot."));
     const { session } = this;
+    const conditions = series?.conditions ?? [];
+    const name = conditions.length === 1 && conditions[0].name;
+    this.heading.textContent = ["Series", name, session && `of ${session}`].filter(Boolean).join(" ");
+    this.body.hidden = !series?.summary;
+    if (conditions.length > 1) return fill(this.summary, conditionLinks(series, session));
+    if (!series?.summary) return fill(this.summary, quiet("No series yet: it begins with the first shot."));
     refill(
       this.summary,
       summaryTable(this.quantities, series),
@@ -109,6 +105,19 @@ class SeriesView {
   }
 }
 
+/// No mean is made of shots that differ, unless it is asked for.
+function conditionLinks({ conditions, differ }, session) {
+  const link = (words, query) => h("a", { href: routeTo("series", [session], query) }, words);
+  return [
+    h("p", {}, `The shots differ in ${keyWords(differ)}. There is a series of each:`),
+    list(
+      "plain-list links",
+      conditions.map(({ name, counted, like }) => [link(name, { like }), ` ${count(counted, "shot")} counted`]),
+    ),
+    h("p", {}, link(`All together: means over ${keyWords(differ)}`, { over: differ.join() })),
+  ];
+}
+
 export function summaryTable(quantities, series) {
   const { summary } = series;
   const beside = series.thesis ?? null;
@@ -123,16 +132,8 @@ export function summaryTable(quantities, series) {
 function summaryRow(q, s, beside) {
   const sd = digitsOf(s);
   const cell = (number) => (Number.isFinite(number) ? rounded(number, sd) : ABSENT);
-  const cells = [
-    unitWords(q.unit),
-    cell(s.mean),
-    cell(s.expanded_uncertainty),
-    cell(s.total_sd),
-    cell(s.scatter_sd),
-    cell(s.standard_error),
-    cell(s.shared_sd),
-    String(s.n),
-  ];
+  const told = [s.mean, s.expanded_uncertainty, s.total_sd, s.scatter_sd, s.standard_error, s.shared_sd];
+  const cells = [unitWords(q.unit), ...told.map(cell), String(s.n)];
   return { head: q.label, cells: beside ? [...cells, ...thesisCells(beside[q.name], s.mean)] : cells };
 }
 

@@ -3,12 +3,12 @@ import { getJson, path } from "../live/api.js";
 import {
   attempt, badge, details, fill, h, links, list, problem, quiet, refill, setAttributes, viewHeading,
 } from "../parts/dom.js";
+import { afarNumbers } from "../parts/afar.js";
 import { essentialsTable, hasNumbers, shotDetails, trainTable } from "../parts/shot_details.js";
 import { mountPhotograph } from "../photograph.js";
 import { dateAndTime, timeOfDay } from "../words/numbers.js";
-import { routeTo } from "../words/routes.js";
+import { routeTo, withQuery } from "../words/routes.js";
 import { condition, digitizationWords, flagWords, verdict } from "../words/shots.js";
-import { seriesAddress } from "./series_view.js";
 
 const RETRY_DELAYS_MS = [200, 500, 1000, 2000];
 
@@ -33,7 +33,7 @@ class ShotView {
     this.notes = h("section", { class: "notes", "aria-label": "Messages" });
     fill(
       main,
-      h("div", { class: "view-head" }, this.heading, this.facts, afarButton(signal)),
+      h("div", { class: "view-head" }, this.heading, this.facts, afarButton(signal, () => this.showNumbers())),
       this.newer,
       this.verdict,
       h(
@@ -53,13 +53,15 @@ class ShotView {
     return attempt(this.numbers, `Shot ${name} of ${session}`, async () => {
       const detail = await getJson(path("sessions", session, "shots", name), this.signal);
       this.show({ ...detail, session, name }, detail);
-      this.fetchSeries(session, detail);
+      this.fetchSeries(session, this.shown);
     });
   }
 
-  /// Without it the shot is shown alone.
-  async fetchSeries(session, detail) {
-    this.series = await getJson(seriesAddress(session, detail), this.signal).catch(() => null);
+  /// Of the shots like it. Without it the shot is shown alone.
+  async fetchSeries(session, { name, dry }) {
+    if (dry) return;
+    const address = withQuery(path("sessions", session, "series"), { like: name });
+    this.series = await getJson(address, this.signal).catch(() => null);
     if (this.series) this.showNumbers();
   }
 
@@ -112,7 +114,7 @@ class ShotView {
 
   takeSeries() {
     this.series = this.live.state.series;
-    if (this.shown) this.showNumbers();
+    this.showNumbers();
   }
 
   /// `detail`: null while it is on its way; the row's numbers are shown at once.
@@ -156,6 +158,12 @@ class ShotView {
   /// A shot without any number is told by its flashes: a dry one, or one that failed.
   showNumbers() {
     const { shown, detail, series } = this;
+    if (!shown) return null;
+    if (afar && hasNumbers(shown))
+      return refill(
+        this.numbers,
+        afarNumbers(this.live.quantities, shown, this.kept, () => this.showNumbers()),
+      );
     if (hasNumbers(shown))
       return refill(this.numbers, essentialsTable(this.live.quantities, shown, series?.summary));
     const words = shown.dry
@@ -189,11 +197,11 @@ class ShotView {
   }
 
   links() {
-    const { session, name, spin, angle_deg: angle } = this.shown;
+    const { session, name, dry } = this.shown;
     if (!session) return null;
     return links([
       [routeTo("history", [session]), "All shots of this session"],
-      [routeTo("series", [session], { spin, angle }), "Its series"],
+      [routeTo("series", [session], { like: dry ? null : name }), "Its series"],
       [routeTo("shot", [session, name]), "Link to this shot"],
     ]);
   }
@@ -231,16 +239,16 @@ function part(title, name, content) {
 let afar = false;
 
 /// Numbers that fill the screen, to be read from across the room.
-function afarButton(signal) {
-  const show = (on) => {
-    document.body.classList.toggle("afar", on);
-    setAttributes(button, { "aria-pressed": String(afar) });
-  };
+function afarButton(signal, onchange) {
+  const show = (on) => document.body.classList.toggle("afar", on);
   const toggle = () => {
     afar = !afar;
     show(afar);
+    setAttributes(button, { "aria-pressed": String(afar) });
+    onchange();
   };
-  const button = h("button", { type: "button", class: "afar-button", onclick: toggle }, "Read from afar");
+  const look = { class: "afar-button", "aria-pressed": String(afar) };
+  const button = h("button", { type: "button", ...look, onclick: toggle }, "Read from afar");
   show(afar);
   signal.addEventListener("abort", () => show(false));
   return button;

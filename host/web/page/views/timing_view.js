@@ -60,25 +60,15 @@ function section({ title, words }, values) {
   );
 }
 
+const FIGURES = { mean: "mean", sd: "sd", min: "smallest", p50: "50 %", p99: "99 %", p99_9: "99.9 %", max: "largest" };
+
 function figures(known, timing) {
-  const names = [
-    ["mean", "mean"],
-    ["sd", "sd"],
-    ["smallest", "min"],
-    ["50 %", "p50"],
-    ["99 %", "p99"],
-    ["99.9 %", "p99_9"],
-    ["largest", "max"],
-  ];
   const rows = known.map(({ key, title }) => ({
     head: title,
-    cells: [...names.map(([, name]) => fixed(timing[key][name], 2)), String(timing[key].n)],
+    cells: [...Object.keys(FIGURES).map((name) => fixed(timing[key][name], 2)), String(timing[key].n)],
   }));
-  return table(
-    "In microseconds",
-    [{ title: "time", hidden: true }, ...names.map(([title]) => title), "n"],
-    rows,
-  );
+  const columns = [{ title: "time", hidden: true }, ...Object.values(FIGURES), "n"];
+  return table("In microseconds", columns, rows);
 }
 
 function counts(object, what) {
@@ -87,10 +77,7 @@ function counts(object, what) {
     .map(([why, n]) => `${what}: ${n} ${why.replaceAll("_", " ")}`);
 }
 
-const WIDTH = 420,
-  HEIGHT = 130,
-  BOTTOM = 20,
-  SIDE = 14;
+const [WIDTH, HEIGHT, BOTTOM, SIDE] = [420, 130, 20, 24];
 
 /// Heights between 0 and 1: log(n) over the largest's, at least a sliver for a single one.
 export function barHeights(bins) {

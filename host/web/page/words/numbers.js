@@ -4,11 +4,11 @@
 const MINUS = "\u2212";
 export const ABSENT = "–";
 
-/// Decimals for two digits of the standard uncertainty (GUM 7.2.6), at least `least`, at most 6; 3 where it is unknown.
-export function decimalsFor(sd, least = 0) {
-  let decimals = 3;
-  if (Number.isFinite(sd) && sd > 0) decimals = 1 - Math.floor(Math.log10(sd));
-  return Math.min(Math.max(decimals, least), 6);
+/// Decimals for so many digits of the standard uncertainty (two: GUM 7.2.6), at most 6; 3 where it is unknown.
+export function decimalsFor(sd, digits = 2) {
+  const known = Number.isFinite(sd) && sd > 0;
+  const decimals = known ? digits - 1 - Math.floor(Math.log10(sd)) : 3;
+  return Math.min(Math.max(decimals, 0), 6);
 }
 
 /// A rounded zero has no sign.
@@ -18,8 +18,8 @@ export function fixed(value, decimals) {
   return value < 0 && Number(text) !== 0 ? MINUS + text : text;
 }
 
-export function rounded(value, sd, least = 0) {
-  return value === null || value === undefined ? ABSENT : fixed(value, decimalsFor(sd, least));
+export function rounded(value, sd, digits = 2) {
+  return value === null || value === undefined ? ABSENT : fixed(value, decimalsFor(sd, digits));
 }
 
 /// With a sign, also of a positive number.
@@ -29,10 +29,10 @@ export function signed(value, decimals) {
 }
 
 /// {value: "15.37", sd: "0.19"}; sd is "" where it is not known.
-export function valueAndSd(number) {
+export function valueAndSd(number, digits = 2) {
   if (!number || number.value === null || number.value === undefined) return { value: ABSENT, sd: "" };
-  const known = Number.isFinite(number.sd);
-  return { value: rounded(number.value, number.sd), sd: known ? rounded(number.sd, number.sd) : "" };
+  const { value, sd } = number;
+  return { value: rounded(value, sd, digits), sd: Number.isFinite(sd) ? rounded(sd, sd, digits) : "" };
 }
 
 /// "15.37 ± 0.19 m/s"

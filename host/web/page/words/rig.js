@@ -1,6 +1,6 @@
 // The rig in words: what its bar says, from a STATUS; its timing; how it was commissioned. Pure.
 import {
-  ABSENT, count, dateAndTime, duration, fixed, microseconds, significant, unitWords, valueAndSd,
+  count, dateAndTime, duration, fixed, microseconds, significant, unitWords, valueAndSd,
 } from "./numbers.js";
 
 /// What each is called, and how far it is from how one wants it.
@@ -78,7 +78,7 @@ export function disconnected({ connected, since, ended }) {
   if (connected || !since) return "";
   const at = `${since.toISOString().slice(11, 19)} UTC`;
   if (ended) return `strobe ended at ${at}: what is shown here was so until then.`;
-  return `This page has not been connected to the host since ${at}: numbers may be old.`;
+  return `This page has heard nothing from the host since ${at}: numbers may be old.`;
 }
 
 const SEEN = "from the call's end to the light that the sensor saw";
@@ -167,10 +167,6 @@ export function recordWords(record) {
   };
 }
 
-function limit({ max_age_days: days }) {
-  return days > 0 ? `, at most ${days} days are allowed` : "";
-}
+const limit = ({ max_age_days: days }) => (days > 0 ? `, at most ${days} days are allowed` : "");
 
-function sentence(words) {
-  return words === ABSENT ? words : `${words[0].toUpperCase()}${words.slice(1)}.`;
-}
+const sentence = (words) => `${words[0].toUpperCase()}${words.slice(1)}.`;

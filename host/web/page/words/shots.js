@@ -1,10 +1,22 @@
 // Shots, series and flags in words. Pure.
 import { ABSENT, count, inWords, rounded, signed } from "./numbers.js";
 
-/// "zero 23°", or "" where neither is known.
+/// "zero 23°, acrylic, ITF type 2" of a shot, or of a session, which may have several surfaces and balls; "" where nothing is
+/// known.
 export function condition(row) {
   const angle = Number.isFinite(row?.angle_deg) ? `${row.angle_deg}°` : "";
-  return [row?.spin ?? "", angle].filter(Boolean).join(" ");
+  const flight = [row?.spin, angle].filter(Boolean).join(" ");
+  const names = ({ surface, ball, surfaces = [surface], balls = [ball] }) => [surfaces, balls];
+  return [[flight], ...names(row ?? {})]
+    .map((each) => each.filter(Boolean).join(" and "))
+    .filter(Boolean)
+    .join(", ");
+}
+
+/// "surface, operator and temperature" of the record's keys.
+export function keyWords(keys) {
+  const words = keys.map((key) => key.replace(/_(name|deg|c)$/, "").replaceAll("_", " "));
+  return [words.slice(0, -1).join(", "), words.at(-1)].filter(Boolean).join(" and ");
 }
 
 /// {text, level, reason}: whether the shot counts.
