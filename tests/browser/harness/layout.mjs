@@ -13,7 +13,7 @@ function faultsNow() {
     if (!isShown(element)) continue;
     const { left, right } = element.getBoundingClientRect();
     if ((right > width + 1 || left < -1) && !isClipped(element)) faults.add(`beyond the window: ${name(element)}`);
-    const mayScroll = element.matches('.table-scroll, select, svg, svg *') || element.closest('.photograph-stage');
+    const mayScroll = element.matches('.table-scroll:not(:has(.rows)), select, svg, svg *') || element.closest('.photograph-stage');
     if (scrolls(element) && element.scrollWidth > element.clientWidth + 1 && !mayScroll) faults.add(`hidden sideways: ${name(element)}`);
   }
 
@@ -45,9 +45,10 @@ function faultsNow() {
     }
   });
 
-  const told = [...document.querySelectorAll('.bar p, .bar li, .bar .banner span, .bar dd')].filter((each) => isShown(each) && each.textContent.length > 24).map((each) => each.textContent);
+  const told = [...document.querySelectorAll('.bar p, .bar li, .bar dd')].filter((each) => isShown(each) && each.textContent.length > 24).map((each) => each.textContent);
   told.forEach((words, i) => {
-    if (told.some((other, k) => k !== i && other.includes(words))) faults.add(`stands twice: "${words}"`);
+    const gist = words.replace(/^[^:]*: /, '');
+    if (told.some((other, k) => k !== i && other.includes(gist))) faults.add(`stands twice: "${gist}"`);
   });
   return [...faults];
 }

@@ -58,7 +58,7 @@ test("a new shot is announced in one sentence", () => {
 
 test("a condition is spin, angle, surface and ball, as far as they are known", () => {
   assert.equal(condition({ spin: "zero", angle_deg: 23, surface: "acrylic", ball: "ITF type 2" }), "zero 23°, acrylic, ITF type 2");
-  assert.equal(condition({ angle_deg: 23, surfaces: ["acrylic", "cushion"], balls: [] }), "23°, acrylic and cushion");
+  assert.equal(condition({ angle_deg: 23, surfaces: ["acrylic", "cushion"], balls: [] }), "23°, acrylic / cushion");
   assert.equal(condition({ surface: null, ball: "old" }), "old");
   assert.equal(condition(null), "");
   assert.equal(condition({ spin: "top", angle_deg: 34 }), "top 34°");

@@ -35,13 +35,12 @@ function fact(name, known, silent) {
   return silent && known ? { name, text: `was ${text}`, level: "caution" } : { name, text, level };
 }
 
-/// "6 of 20 counted, 7 shots since strobe was started": shots are numbered from the firmware's start, and a series that is gone
-/// on with counts those before.
+/// "6 of 20 counted, 7 shots heard": a shot's number counts from the firmware's start, and a series that is gone on with counts
+/// shots of before.
 export function progress(status) {
   if (!status) return "";
-  const shots = `${count(status.shots ?? 0, "shot")} since strobe was started`;
-  if (Number.isFinite(status.wanted)) return `${status.counted ?? 0} of ${status.wanted} counted, ${shots}`;
-  return status.shots > 0 ? `${shots}, ${status.counted || "none"} counted` : shots;
+  const wanted = Number.isFinite(status.wanted) ? `${status.counted ?? 0} of ${status.wanted} counted, ` : "";
+  return `${wanted}${count(status.shots ?? 0, "shot")} heard`;
 }
 
 /// Why nothing can be fired, in words, or ""; a danger says so itself.

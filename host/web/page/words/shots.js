@@ -8,7 +8,7 @@ export function condition(row) {
   const flight = [row?.spin, angle].filter(Boolean).join(" ");
   const names = ({ surface, ball, surfaces = [surface], balls = [ball] }) => [surfaces, balls];
   return [[flight], ...names(row ?? {})]
-    .map((each) => each.filter(Boolean).join(" and "))
+    .map((each) => each.filter(Boolean).join(" / "))
     .filter(Boolean)
     .join(", ");
 }
