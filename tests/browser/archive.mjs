@@ -39,12 +39,12 @@ export function archive() {
     }
   });
 
-  check('a danger stands on top in one line of words, once, whatever the width', async () => {
+  check('a danger stands on top once, with its words whole, whatever the width', async () => {
     const words = 'THE OUTPUTS MAY BE ACTIVE: press the e-stop, and cut the power of lamps and machine: the worker died of signal 9 (Killed); /dev/gpiochip0: Device or resource busy';
     const watched = await view((await served()).url);
     await endanger(watched, words);
     await settled(watched);
-    assert.equal(await watched.getByRole('alert').innerText(), `!\nDanger: ${words}`);
+    assert.equal(await watched.getByRole('alert').locator('p').innerText(), `Danger: ${words}`);
     assert.match(await watched.title(), /^DANGER/);
     for (const width of widths) {
       await watched.setViewportSize({ width, height: 800 });
@@ -52,6 +52,30 @@ export function archive() {
     }
     assert.deepEqual(await accessibility(watched), []);
     await leave(watched);
+  });
+
+  check('shots on two surfaces are neither pooled nor compared without their names', async () => {
+    const text = async () => {
+      await settled(page);
+      return page.locator('main').innerText();
+    };
+    await goto(page, 'history', 'surfaces');
+    assert.match(await text(), /cushion[^]*acrylic/);
+    await goto(page, 'series', 'surfaces');
+    assert.match(await text(), /The shots differ in surface\./);
+    assert.equal(await page.locator('.run-chart').count(), 0);
+    await page.getByRole('link', { name: 'acrylic' }).click();
+    await page.getByRole('heading', { name: /^Series zero 23°, acrylic/ }).waitFor();
+    assert.match(await text(), /2 shots counted/);
+    await goto(page, 'compare', { first: 'surfaces', second: 'surfaces' });
+    const conditions = page.getByLabel('Which shots of surfaces');
+    for (const [left, surface] of [[2, /acrylic/], [1, /cushion/]]) {
+      await until(async () => (await conditions.count()) === left, 'the choice of a condition');
+      const option = await conditions.first().locator('option').filter({ hasText: surface }).getAttribute('value');
+      await conditions.first().selectOption(option);
+    }
+    await page.getByText(/surfaces \(zero 23°, acrylic[^)]*\) less surfaces \(zero 23°, cushion[^)]*\)/).first().waitFor();
+    assert.match(await text(), /The two differ in surface\./);
   });
 
   check('from afar four numbers are read, to one digit of their sd; others are chosen, and kept', async () => {

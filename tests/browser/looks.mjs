@@ -36,7 +36,7 @@ async function drawThousand(page, url) {
   await page.route('**/sessions/thousand/series*', (route) => route.fulfill({ json: { ...series, points: shots.reverse() } }));
 }
 
-const views = (session, shot) => [['shot', session, shot], ['series', session], ['history'], ['history', session], ['compare', { first: session, second: session, first_like: '3', second_like: '7' }],
+const views = (session, shot) => [['shot', session, shot], ['series', session], ['history'], ['history', session], ['compare', { first: session, second: session, ...(shot > 1 && { first_like: '3', second_like: '7' }) }],
   ['timing'], ['commission'], ['report', session], ['shot', session, shot, 'afar']];
 const states = {
   shots: { views: views('today', '5') },

@@ -20,10 +20,12 @@ export const rig = once(() => Rig.start(folder));
 const pages = [];
 const hosts = [];
 
-/// After the series: the rig's sessions as `strobe live` serves them. {url, session: folder of the one that was fired, shot: the
+/// After the series: the rig's sessions as `strobe live` serves them, one more of them with two surfaces. {url, session: folder of the one that was fired, shot: the
 /// name of one of its shots that counts}.
 export const served = once(async () => {
   const { sessions, session } = await rig();
+  for (const surface of ['acrylic', 'cushion'])
+    await (await rig()).fire(2, { session: join(sessions, 'surfaces'), more: ['--spin', 'zero', '--angle', '23', '--note', `surface_name=${surface}`] }).end();
   await manyShots(session, join(sessions, 'thousand'), 1000);
   await cp(session, join(sessions, markup), { recursive: true });
   const url = await keep((await rig()).live()).address();

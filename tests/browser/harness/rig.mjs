@@ -65,8 +65,8 @@ export class Rig {
   }
 
   /// A series with the page.
-  fire(shots, options = {}) {
-    return this.#host(['fire', '--shots', `${shots}`, '--retries', '0', '--session', this.session, '--json'], options);
+  fire(shots, { session = this.session, ...options } = {}) {
+    return this.#host(['fire', '--shots', `${shots}`, '--retries', '0', '--session', session, '--json'], options);
   }
 
   live(options = {}) {

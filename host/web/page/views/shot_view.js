@@ -50,7 +50,7 @@ class ShotView {
   }
 
   pin(session, name) {
-    return attempt(this.numbers, `Shot ${name} of ${session}`, async () => {
+    return attempt(this.verdict, `Shot ${name} of ${session}`, async () => {
       const detail = await getJson(path("sessions", session, "shots", name), this.signal);
       this.show({ ...detail, session, name }, detail);
       this.fetchSeries(session, this.shown);
