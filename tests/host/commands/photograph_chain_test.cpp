@@ -126,7 +126,7 @@ TEST(PhotographChain, TakesAPersonsCorrections) {
   CHECK(reported);
 
   for (const auto& [text, place] : {std::pair{"[[remove]]\nat_px = [1, 1]\n", "edit.toml:1: "},
-                                    {"[[move]]\nat_pixel = [1, 1]\n", "edit.toml:1: move[1]: at_px"},
+                                    {"[[move]]\nat_pixel = [1, 1]\n", "edit.toml:2: move[1].at_pixel: unknown key"},
                                     {"[[remove]]\nat_px = [1, 1]\nwhy = 1\n", "edit.toml:3: remove[1].why"},
                                     {"[[add]]\ncentre_px = [1]\n", "edit.toml:2: add[1].centre_px"},
                                     {"[[add\n", "edit.toml:1: "}}) {
