@@ -143,6 +143,7 @@ test("a step tells its number with uncertainty and unit, and its state in words"
   assert.equal(stepNumber({ value: 9.8123, sd: 0.021, unit: "m/s2" }), "9.812 ± 0.021 m/s2");
   assert.equal(stepNumber({ value: null, sd: null, unit: "us" }), "");
   assert.equal(stepState(step("failed")).text, "FAILED");
+  assert.deepEqual(stepState(step("not_told")), { text: "not told apart from its limit", level: "caution" });
 });
 
 test("a result from before the rig file's change, or an old one, is in doubt", () => {
