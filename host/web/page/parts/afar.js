@@ -6,24 +6,33 @@ import { keptDetails } from "./shot_details.js";
 const FIRST_CHOICE = ["vx_td_mps", "omega_lo_radps", "e", "mu"];
 const STORED_AS = "afar";
 
+let names = stored() ?? FIRST_CHOICE;
+
 /// What was chosen before, in this browser.
-function chosen() {
+function stored() {
   try {
-    const names = JSON.parse(localStorage.getItem(STORED_AS));
-    if (Array.isArray(names)) return names;
+    const list = JSON.parse(localStorage.getItem(STORED_AS));
+    return Array.isArray(list) ? list : null;
   } catch {
-    // Nothing can be stored, or it was changed by hand.
+    return null;
   }
-  return FIRST_CHOICE;
+}
+
+function keep(chosen) {
+  names = chosen;
+  try {
+    localStorage.setItem(STORED_AS, JSON.stringify(chosen));
+  } catch {
+    // private windows may have no storage: it holds as long as the page is open
+  }
 }
 
 /// kept: {open: Set of ids}; onchange: others were chosen. Numbers have one digit of their standard uncertainty.
 export function afarNumbers(quantities, shot, kept, onchange) {
-  const names = chosen();
   const shown = quantities.filter((q) => names.includes(q.name));
   const choose = ({ name }, wanted) => {
     const others = names.filter((other) => other !== name);
-    localStorage.setItem(STORED_AS, JSON.stringify(wanted ? [...others, name] : others));
+    keep(wanted ? [...others, name] : others);
     onchange();
   };
   const box = (q) => {

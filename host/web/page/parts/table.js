@@ -32,7 +32,7 @@ export function table(caption, titles, rows, { hideCaption = false, className = 
     h(
       "table",
       { class: className || null },
-      h("caption", { class: hideCaption ? "visually-hidden" : null }, caption),
+      h("caption", { class: hideCaption ? "visually-hidden" : null }, h("span", {}, caption)),
       h("thead", {}, h("tr", {}, headings)),
       h("tbody", {}, body),
     ),

@@ -70,18 +70,15 @@ class SessionHistory {
       this.note,
       this.older,
     );
-    const observer = new IntersectionObserver(
-      (entries) => entries.some((e) => e.isIntersecting) && this.load(),
-      { rootMargin: "600px" },
-    );
-    observer.observe(this.older);
-    signal.addEventListener("abort", () => observer.disconnect());
+    const seen = (entries) => entries.some((e) => e.isIntersecting) && this.load();
+    this.observer = new IntersectionObserver(seen, { rootMargin: "600px" });
+    this.observer.observe(this.older);
+    signal.addEventListener("abort", () => this.observer.disconnect());
     const on = (kind, act) =>
       live.addEventListener(kind, ({ detail }) => (detail ?? live).session === session && act(detail), { signal });
     on("shot", (shot) => this.arrive(shot));
     on("edited", ({ shot }) => this.edited(shot));
     on("live", () => this.reload());
-    this.observer = observer;
     this.load();
   }
 

@@ -26,17 +26,8 @@ class SeriesView {
     this.numbers = details("All shots as a table", h("div", { class: "points" }), { id: "points" });
     this.body = h("div", { hidden: true }, h("h2", {}, "Shot by shot"), legend(), this.plots, this.numbers);
     this.observer = drawAtWidth(() => this.charts, signal);
-    fill(
-      main,
-      h(
-        "div",
-        { class: "view-head" },
-        this.heading,
-        h("label", { class: "choice" }, this.all, h("span", {}, "All quantities")),
-      ),
-      this.summary,
-      this.body,
-    );
+    const more = h("label", { class: "choice" }, this.all, h("span", {}, "All quantities"));
+    fill(main, h("div", { class: "view-head" }, this.heading, more), this.summary, this.body);
     this.numbers.addEventListener("toggle", () => this.showPoints());
   }
 
@@ -87,10 +78,7 @@ class SeriesView {
       this.observer.disconnect();
       this.charts = this.quantities.map((q) => new RunChart(q, (name) => this.openShot(name)));
       for (const chart of this.charts) this.observer.observe(chart.frame);
-      fill(
-        this.plots,
-        this.charts.map((chart) => chart.element),
-      );
+      fill(this.plots, ...this.charts.map((chart) => chart.element));
     }
     for (const chart of this.charts) chart.update(this.series);
   }
@@ -108,12 +96,13 @@ class SeriesView {
 /// No mean is made of shots that differ, unless it is asked for.
 function conditionLinks({ conditions, differ }, session) {
   const link = (words, query) => h("a", { href: routeTo("series", [session], query) }, words);
+  const series = conditions.map((one) => [
+    link(one.name, { like: one.like }),
+    ` ${count(one.counted, "shot")} counted`,
+  ]);
   return [
     h("p", {}, `The shots differ in ${keyWords(differ)}. There is a series of each:`),
-    list(
-      "plain-list links",
-      conditions.map(({ name, counted, like }) => [link(name, { like }), ` ${count(counted, "shot")} counted`]),
-    ),
+    list("plain-list links", series),
     h("p", {}, link(`All together: means over ${keyWords(differ)}`, { over: differ.join() })),
   ];
 }

@@ -207,7 +207,9 @@ class ShotView {
   }
 
   showNotes() {
-    refill(this.notes, notificationList(this.live.state.notifications ?? []));
+    const { state, status } = this.live; // the danger stands in the bar, and is told again and again
+    const others = (state.notifications ?? []).filter(({ text }) => text !== status?.danger);
+    refill(this.notes, notificationList(others));
   }
 
   showNone() {
