@@ -138,10 +138,10 @@ BallImage read_image(const json& object, const std::string& place, std::optional
 }
 
 void read_surface(Fields& fields, Frame& frame) {
-  const json* points = fields.need("surface_px");
+  const json* points = fields.find("surface_px");
   if (!points) return;
-  if (!points->is_array() || points->size() < 2) {
-    return fields.wrong("surface_px", "must be an array of at least two points");
+  if (!points->is_array() || points->size() == 1) {
+    return fields.wrong("surface_px", "must be an array of at least two points, or of none");
   }
   for (std::size_t i = 0; i < points->size(); ++i) {
     fields.point("surface_px[" + std::to_string(i) + "]", (*points)[i], frame.surface_px.emplace_back());
@@ -347,13 +347,27 @@ ordered_json quantities_json(const Quantities& quantities) {
   return object;
 }
 
-ordered_json expanded_json(const Readout& readout) {
-  Quantities expanded;
+Quantities expanded(const reduction::Numbers& numbers) {
+  Quantities all;
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     const auto quantity = static_cast<reduction::Quantity>(i);
-    expanded[quantity] = reduction::expanded_uncertainty(readout, quantity);
+    all[quantity] = reduction::expanded_uncertainty(numbers, quantity);
   }
-  return quantities_json(expanded);
+  return all;
+}
+
+ordered_json launch_json(const reduction::Launch& launch) {
+  const auto put = [](ordered_json& object, const Quantities& quantities) {
+    for (const auto& [name, quantity] : reduction::kLaunchQuantities)
+      object[std::string(name)] = or_null(quantities[quantity]);
+  };
+  ordered_json object{{"time_s", launch.time_s}};
+  put(object, launch.value);
+  put(object["sd"], launch.sd);
+  put(object["sd_systematic"], launch.sd_systematic);
+  put(object["degrees_of_freedom"], launch.degrees_of_freedom);
+  put(object["expanded_uncertainty"], expanded(launch));
+  return object;
 }
 
 ordered_json flags_json(const reduction::FlagSet& flags) {
@@ -415,8 +429,9 @@ ordered_json readout_json(const Readout& readout) {
   object["sd"] = quantities_json(readout.sd);
   object["sd_systematic"] = quantities_json(readout.sd_systematic);
   object["degrees_of_freedom"] = quantities_json(readout.degrees_of_freedom);
-  object["expanded_uncertainty"] = expanded_json(readout);
+  object["expanded_uncertainty"] = quantities_json(expanded(readout));
   put_residual_ratios(object, readout.residual_ratios);
+  if (readout.launch) object["launch"] = launch_json(*readout.launch);
   if (readout.legacy) {
     object["far"] = quantities_json(readout.legacy->far);
     object["contact"] = ordered_json::array();

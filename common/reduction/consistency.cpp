@@ -86,7 +86,7 @@ ResidualScatter diameter_scatter(const ShotFit& fit) {
 
 ResidualScatter surface_scatter(const ShotFit& fit) {
   const Observations& all = fit.observations;
-  if (all.surface_noise != NoiseGroup::stated) return {};
+  if (all.surface_noise != NoiseGroup::stated || !all.has_surface()) return {};
   return {surface_square_sum(fit) / (all.surface_sd() * all.surface_sd()),
           static_cast<double>(all.surface_m.size()) - 2.0};
 }

@@ -71,7 +71,10 @@ flight::Effects significant_effects(const Readout& readout, const ShotFit& fit, 
   constexpr Quantity kSpeed[2] = {Quantity::v_td_mps, Quantity::v_lo_mps};
   for (std::size_t leg = 0; leg < 2; ++leg) {
     if (!readout.value[kSpeed[leg]]) continue;
-    const double speed = *readout.value[kSpeed[leg]];
+    double speed = *readout.value[kSpeed[leg]];
+    // Of a ball that falls the launch is not the fastest.
+    if (!fit.observations.has_surface())
+      speed += fit.observations.gravity_mps2.norm() * fit.joint.legs[leg].span_s;
     drag[leg] = fit.air.drag_mps2(speed);
     if (fit.spin[leg]) lift[leg] = std::abs(fit.air.lift_mps2(speed, fit.spin[leg]->omega_radps));
     const AirError& error = fit.air_fit.prior[kLiftError[leg]];

@@ -120,14 +120,29 @@ Complaint invalid_map_errors(const Frame& frame) {
   return std::nullopt;
 }
 
+/// Before and after it, or in it.
+bool shows_bounce(const Frame& frame) {
+  const auto any = [&](Leg leg) {
+    return std::ranges::any_of(frame.images, [=](const BallImage& image) { return image.leg == leg; });
+  };
+  return any(Leg::contact) || (any(Leg::incoming) && any(Leg::rebound));
+}
+
+Complaint invalid_surface(const Frame& frame) {
+  if (frame.surface_px.size() == 1) return "surface_px: needs at least two points";
+  if (frame.surface_px.empty() && shows_bounce(frame))
+    return "surface_px: needs at least two points, as the images are labelled as those of a bounce";
+  for (std::size_t i = 0; i < frame.surface_px.size(); ++i) {
+    if (!within(frame.surface_px[i])) return "surface_px[" + std::to_string(i) + "]: " + kPointNeeded;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<std::string> validation_error(const Frame& frame) {
   if (Complaint complaint = invalid_constants(frame)) return complaint;
-  if (frame.surface_px.size() < 2) return "surface_px: needs at least two points";
-  for (std::size_t i = 0; i < frame.surface_px.size(); ++i) {
-    if (!within(frame.surface_px[i])) return "surface_px[" + std::to_string(i) + "]: " + kPointNeeded;
-  }
+  if (Complaint complaint = invalid_surface(frame)) return complaint;
   for (std::size_t i = 0; i < frame.images.size(); ++i) {
     const std::string place = "images[" + std::to_string(i) + "].";
     if (const Complaint complaint = invalid_image(frame.images[i])) return place + *complaint;

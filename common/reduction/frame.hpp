@@ -67,9 +67,11 @@ struct Frame {
   int shot_id = 0;
   double ball_diameter_m = 0.0;              ///< 0.01 to 1
   std::optional<double> ball_diameter_sd_m;  ///< the diameter's tolerance as a standard deviation
-  std::vector<PointPx> surface_px;           ///< at least 2 points of the surface line
-  std::optional<double> surface_sd_px;       ///< of each coordinate; absent: as centre_sd_px
-  std::optional<double> centre_sd_px;        ///< of each coordinate
+  /// At least 2 points of the surface line; none: a photograph of one flight without a bounce, whose images
+  /// are all of one leg, labelled or not, and none in contact.
+  std::vector<PointPx> surface_px;
+  std::optional<double> surface_sd_px;  ///< of each coordinate; absent: as centre_sd_px
+  std::optional<double> centre_sd_px;   ///< of each coordinate
   std::optional<double> diameter_sd_px;
   std::optional<double> equator_sd_rad;
   std::optional<double> px_per_m;  ///< calibrated scale; absent: from the ball's diameter, which joins in
@@ -79,7 +81,9 @@ struct Frame {
   /// Of the calibration that made the coordinates; what they do to the scale is not in px_per_m_sd. At most
   /// 64.
   std::vector<MapError> map_errors;
-  double surface_angle_deg = 0.0;  ///< inclination of the plate against the horizontal, from an inclinometer
+  /// Inclination of the plate against the horizontal, from an inclinometer; without a surface of the
+  /// photograph's x axis.
+  double surface_angle_deg = 0.0;
   std::optional<double> temperature_c;      ///< of the ball and the air, -60 to 100
   std::optional<double> ball_mass_kg;       ///< 0.001 to 10; absent: the thesis's 57.6 g. For drag and lift
   std::optional<double> ball_alpha;         ///< I / (m R^2), above 0 to 2/3; absent: 0.55. For the regime

@@ -73,6 +73,10 @@ class Problem {
   }
 
   void add_surface() {
+    if (!all_.has_surface()) {
+      share(1.0 / kCameraRollSd_rad, 0.0, 0.0, -fit_.unknowns[kTilt] / kCameraRollSd_rad);
+      return share(0.0, 1.0, 0.0, 0.0);  // no number depends on the height
+    }
     const double weight = 1.0 / all_.surface_sd();
     for (const Eigen::Vector2d& p : all_.surface_m) {
       const Eigen::Vector2d q = tilt_.inverse() * p;

@@ -33,6 +33,11 @@ Eigen::Vector2d vector(const PointPx& p) { return {p.x, p.y}; }
 
 std::optional<geometry::SurfaceFrame> surface_frame(const Frame& frame) {
   const double px_per_m = first_scale(frame);
+  if (frame.surface_px.empty()) {
+    geometry::Line photograph;
+    if (!frame.images.empty()) photograph.reference = vector(frame.images.front().centre_px);
+    return geometry::SurfaceFrame{photograph, px_per_m, false};
+  }
   std::vector<Eigen::Vector2d> points;
   points.reserve(frame.surface_px.size());
   for (const PointPx& p : frame.surface_px) points.push_back(vector(p));
@@ -114,6 +119,7 @@ void weigh_by_stated_noise(Observations& all) {
 }
 
 void set_surface(const Frame& frame, Observations& all) {
+  if (frame.surface_px.empty()) return;
   all.surface_m.reserve(frame.surface_px.size());
   for (const PointPx& p : frame.surface_px) all.surface_m.push_back(all.surface.from_image(vector(p)));
   if (const auto sd = frame.surface_sd_px ? frame.surface_sd_px : frame.centre_sd_px) {
@@ -160,7 +166,8 @@ bool scale_from_diameters(const Observations& all) {
   return *all.ball_diameter_sd_m / all.ball_diameter_m < all.scale_sd / *all.scale;
 }
 
-void assign_legs(const Frame& frame, Observations& all, FlagSet& flags) {
+std::vector<Leg> legs_of(const Frame& frame, const Observations& all, FlagSet& flags) {
+  if (!all.has_surface()) return std::vector<Leg>(all.images.size(), Leg::incoming);
   std::vector<geometry::TimedHeight> heights;
   heights.reserve(all.images.size());
   for (std::size_t i = 0; i < all.images.size(); ++i) {
@@ -171,21 +178,24 @@ void assign_legs(const Frame& frame, Observations& all, FlagSet& flags) {
   const double surface_variance =
       all.surface_sd() * all.surface_sd() / static_cast<double>(all.surface_m.size());
   const double reference = surface_variance + 0.25 * mean_diameter_variance(all);
-  const geometry::LegAssignment found = geometry::classify_timed(heights, all.gravity_mps2.y(), reference);
+  geometry::LegAssignment found = geometry::classify_timed(heights, all.gravity_mps2.y(), reference);
   if (!found.overlaps.empty()) flags.set(Flag::overlaps_surface);
-  assert(found.legs.size() == all.images.size());
+  if (std::ranges::find(found.legs, Leg::contact) == found.legs.end()) flags.set(Flag::no_contact_image);
+  return std::move(found.legs);
+}
+
+void assign_legs(const Frame& frame, Observations& all, FlagSet& flags) {
+  const std::vector<Leg> legs = legs_of(frame, all, flags);
+  assert(legs.size() == all.images.size());
   const bool use_diameters = scale_from_diameters(all);
-  bool contact = false;
   for (std::size_t i = 0; i < all.images.size(); ++i) {
     Observation& o = all.images[i];
-    o.leg = found.legs[i];
-    const bool airborne = found.legs[i] != Leg::contact;
-    contact = contact || !airborne;
+    o.leg = legs[i];
+    const bool airborne = legs[i] != Leg::contact;
     o.use_centre = airborne;
     o.use_diameter = airborne && use_diameters;
     o.use_equator = o.use_equator && airborne;
   }
-  if (!contact) flags.set(Flag::no_contact_image);
 }
 
 /// By its first and last image, of which the fit may leave one out: see orient().

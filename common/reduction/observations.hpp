@@ -11,6 +11,7 @@
 #include "common/geometry/line.hpp"
 #include "common/reduction/flags.hpp"
 #include "common/reduction/frame.hpp"
+#include "common/units/angles.hpp"
 
 namespace strobe::reduction {
 
@@ -21,6 +22,9 @@ inline constexpr std::size_t kNoiseGroupCount = 5;
 
 /// One degree: what a person who digitizes an equator does.
 inline constexpr double kUsualEquatorSd_rad = 0.0175;
+
+/// Without a surface only the camera tells the vertical: of one that was levelled by eye or by its bubble.
+inline constexpr double kCameraRollSd_rad = radians(1.0);
 
 /// Standard deviations of the groups that are not stated, in units of the measurements' own ones: these are 1
 /// m or 1 rad, or what the frame states where that is taken for a relative weight.
@@ -68,6 +72,8 @@ struct ObservedMapError {
   std::vector<Eigen::Vector2d> surface_m;
 };
 
+/// Without a surface the axes are the photograph's, from its first image, and all images are the incoming
+/// leg's.
 struct Observations {
   std::vector<Observation> images;
   std::vector<Eigen::Vector2d> surface_m;
@@ -85,6 +91,7 @@ struct Observations {
   geometry::SurfaceFrame surface;
   GroupSds group_sd;
 
+  bool has_surface() const { return !surface_m.empty(); }
   bool scale_exact() const { return scale && scale_sd == 0.0; }
   double unit(NoiseGroup noise) const { return noise == NoiseGroup::stated ? 1.0 : group_sd[noise]; }
   double centre_variance(const Observation& o) const {

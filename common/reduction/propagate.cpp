@@ -202,7 +202,7 @@ class Propagation {
   }
 
   void legs() {
-    for (std::size_t leg = 0; leg < 2; ++leg) {
+    for (std::size_t leg = 0; leg < (fit_.observations.has_surface() ? 2 : 1); ++leg) {
       crossing_[leg] = crossing(fit_, leg);
       if (!fit_.joint.legs[leg].fitted || !fit_.spin[leg]) readout_.flags.set(Flag::too_few_images);
       if (fit_.joint.legs[leg].fitted && !crossing_[leg]) readout_.flags.set(Flag::degenerate_geometry);

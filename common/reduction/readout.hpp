@@ -121,13 +121,34 @@ struct ResidualRatios {
   std::array<std::optional<double>, kMeasurementKindCount> by_kind;  ///< index: MeasurementKind
 };
 
-struct Readout {
-  int shot_id = 0;
+struct Numbers {
   Quantities value;
   Quantities sd;             ///< statistical standard deviation, given the ball's diameter
   Quantities sd_systematic;  ///< standard deviation from the tolerances of the ball's diameter and of the air
   /// Of sd, where noise was estimated: effective ones (Welch-Satterthwaite). Absent: infinitely many.
   Quantities degrees_of_freedom;
+};
+
+/// Velocity and spin at the first image in use, of a photograph of one flight without a surface. x as the
+/// photograph's in the direction of travel, y up. The numbers stand where those at touchdown would.
+struct Launch : Numbers {
+  double time_s = 0.0;  ///< of that image, as in the frame
+};
+
+/// Names of a launch's numbers, and where they stand.
+struct LaunchQuantity {
+  std::string_view name;
+  Quantity quantity;
+};
+inline constexpr std::array<LaunchQuantity, 5> kLaunchQuantities{{{"speed_mps", Quantity::v_td_mps},
+                                                                  {"angle_deg", Quantity::theta_in_deg},
+                                                                  {"vx_mps", Quantity::vx_td_mps},
+                                                                  {"vy_mps", Quantity::vy_td_mps},
+                                                                  {"omega_radps", Quantity::omega_td_radps}}};
+
+struct Readout : Numbers {
+  int shot_id = 0;
+  std::optional<Launch> launch;  ///< only of a frame without a surface, which has no other numbers
   std::optional<Regime> regime;
   bool court_pace_conforming = false;
   std::string method;  ///< "best", "two-point", "legacy"

@@ -1,5 +1,7 @@
 #include "common/reduction/reduce.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <iterator>
@@ -47,8 +49,8 @@ void flag_redundancy(const Observations& all, FlagSet& flags) {
   }
   const auto few = [](int number) { return number >= 2 && number < kMinForOutlier; };
   const bool few_of_a_leg = few(centres[0]) || few(centres[1]) || few(equators[0]) || few(equators[1]);
-  if (few_of_a_leg || few(diameters) || std::ssize(all.surface_m) < kMinForOutlier)
-    flags.set(Flag::no_redundancy);
+  const bool few_points = all.has_surface() && std::ssize(all.surface_m) < kMinForOutlier;
+  if (few_of_a_leg || few(diameters) || few_points) flags.set(Flag::no_redundancy);
 }
 
 Readout empty_readout(const Frame& frame, Estimator estimator) {
@@ -150,6 +152,32 @@ std::optional<ShotFit> fit_frame(const Frame& frame, const ReduceOptions& option
   return fit;
 }
 
+/// Rows are residuals divided by the Cholesky factor of the noise: multiplied by it they are metres again.
+std::optional<double> path_residual_px(const ShotFit& fit, const Observation& image) {
+  if (!image.leg || *image.leg == Leg::contact || !fit.joint.legs[leg_index(*image.leg)].fitted)
+    return std::nullopt;
+  const ImageRows rows = image_rows(fit.observations, fit.joint, tilt_of(fit.joint), image);
+  const double x = rows.residual[0] / rows.white.xx;
+  const double y = (rows.residual[1] - rows.white.yx * x) / rows.white.yy;
+  const double residual_px = std::hypot(x, y) * fit.observations.surface.px_per_unit;
+  return std::isfinite(residual_px) ? std::optional(residual_px) : std::nullopt;
+}
+
+/// Images without a surface and without labels may be those of a bounce, which no single flight goes through.
+/// Ten times what digitizing by hand leaves; a bounce of tennis balls leaves 0.17 or more.
+bool on_one_flight(const ShotFit& fit) {
+  constexpr double kFarthestOfDiameter = 0.1;
+  const Observations& all = fit.observations;
+  double sum = 0.0, freedom = -4.0;
+  for (const Observation& o : all.images) {
+    if (!o.use_centre) continue;
+    sum += std::pow(path_residual_px(fit, o).value_or(0.0) / all.surface.px_per_unit, 2);
+    freedom += 2.0;
+  }
+  const double farthest_m = kFarthestOfDiameter * all.ball_diameter_m * fit.joint.unknowns[kScale];
+  return !(freedom > 0.0) || sum <= freedom * farthest_m * farthest_m;
+}
+
 /// Air is fitted first and left out again where it does not matter: it nearly always does, and costs nothing.
 /// `spins_open`: a first fit left open which spin it was. Its lift is then open too, and what it made of the
 /// images. `fitted` is the fit that the numbers are from.
@@ -161,6 +189,10 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation, 
   if (!fitted) return readout;
   ShotFit& fit = *fitted;
   readout.mirrored = fit.observations.surface.mirrored;
+  if (!fit.observations.has_surface() && !on_one_flight(fit)) {
+    readout.flags.set(Flag::degenerate_geometry);
+    return readout;
+  }
   flag_redundancy(fit.observations, readout.flags);
   if (contact_contradicts_surface(fit)) readout.flags.set(Flag::surface_suspect);
   if (scale_contradicts_ball(fit)) readout.flags.set(Flag::scale_contradicts_ball);
@@ -192,32 +224,36 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation, 
   return readout;
 }
 
-/// Rows are residuals divided by the Cholesky factor of the noise: multiplied by it they are metres again.
-std::optional<double> path_residual_px(const ShotFit& fit, const Observation& image) {
-  if (!image.leg || *image.leg == Leg::contact || !fit.joint.legs[leg_index(*image.leg)].fitted)
-    return std::nullopt;
-  const ImageRows rows = image_rows(fit.observations, fit.joint, tilt_of(fit.joint), image);
-  const double x = rows.residual[0] / rows.white.xx;
-  const double y = (rows.residual[1] - rows.white.yx * x) / rows.white.yy;
-  const double residual_px = std::hypot(x, y) * fit.observations.surface.px_per_unit;
-  return std::isfinite(residual_px) ? std::optional(residual_px) : std::nullopt;
+std::optional<std::string> invalid_for(Estimator estimator, const Frame& frame) {
+  if (auto complaint = validation_error(frame)) return complaint;
+  if (estimator == Estimator::best || !frame.surface_px.empty()) return std::nullopt;
+  return "surface_px: without a surface only the best estimator gives numbers";
+}
+
+/// There is no surface to touch down on.
+void move_to_launch(const ReducedShot& shot, double first_image_s, Readout& readout) {
+  if (readout.value == Quantities{}) return;
+  Numbers& numbers = readout;
+  readout.launch = Launch{std::exchange(numbers, {}), first_image_s + shot.fit->joint.legs[0].first_s};
 }
 
 }  // namespace
 
 Result<Readout> reduce(const Frame& frame, Estimator estimator, const ReduceOptions& options) {
   if (estimator == Estimator::legacy) {
-    if (const auto complaint = validation_error(frame)) return fail(*complaint);
+    if (const auto complaint = invalid_for(estimator, frame)) return fail(*complaint);
     return reduce_legacy(frame);
   }
   auto shot = reduce_shot(frame, estimator, options);
   if (!shot) return tl::unexpected(shot.error());
+  if (frame.surface_px.empty() && !frame.images.empty())
+    move_to_launch(*shot, frame.images.front().time_s, shot->readout);
   return std::move(shot->readout);
 }
 
 Result<ReducedShot> reduce_shot(const Frame& frame, Estimator estimator, const ReduceOptions& options) {
   assert(estimator != Estimator::legacy);
-  if (const auto complaint = validation_error(frame)) return fail(*complaint);
+  if (const auto complaint = invalid_for(estimator, frame)) return fail(*complaint);
   ReducedShot shot;
   const PropagationOptions propagation{temperature_c(frame), options.covariance, options.by_time};
   shot.readout = estimator == Estimator::two_point ? two_point_readout(frame, propagation, shot.fit)

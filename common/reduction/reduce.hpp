@@ -43,8 +43,9 @@ struct ReduceOptions {
 };
 
 /// A readout of the frame. Numbers that cannot be computed are absent and the flags say why.
-/// Fails only for a frame that is not one: no positive diameter, fewer than two surface points, non-finite
-/// coordinates, images out of order of time. The message names the field.
+/// Fails only for a frame that is not one: no positive diameter, a bounce with fewer than two surface points,
+/// non-finite coordinates, images out of order of time. The message names the field. Of a frame without a
+/// surface only the best estimator gives numbers: Readout::launch.
 Result<Readout> reduce(const Frame& frame, Estimator estimator, const ReduceOptions& options = {});
 
 // How each image of a frame stands to what was fitted to all of them: for a person who looks at the

@@ -45,6 +45,24 @@ void add_derivatives(const Number& vx, const Number& vy, double by_vx, double by
   for (std::size_t i = 0; i < into.grad.size(); ++i) into.grad[i] += by_vx * vx.grad[i] + by_vy * vy.grad[i];
 }
 
+/// From the leg's origin.
+std::optional<double> meets_surface_s(const flight::Flight& flight, double edge_s, bool falls) {
+  const double vy_edge = flight.velocity_at(edge_s).y();
+  if (falls ? !(vy_edge < 0.0) : !(vy_edge > 0.0)) return std::nullopt;
+  const auto at = falls ? flight.time_falling_through_s(0.0) : flight.time_rising_through_s(0.0);
+  if (!at) return std::nullopt;
+  const double vy = flight.velocity_at(*at).y();
+  return (falls ? vy < 0.0 : vy > 0.0) ? at : std::nullopt;
+}
+
+SurfaceCrossing in_photograph(const ShotFit& fit, const SurfaceCrossing& level) {
+  const Number tilt = unknown(fit, kTilt);
+  const Number cos = chain(tilt, std::cos(tilt.value), -std::sin(tilt.value));
+  const Number sin = chain(tilt, std::sin(tilt.value), std::cos(tilt.value));
+  return {level.time_s, level.x_m, cos * level.vx_mps - sin * level.vy_mps,
+          sin * level.vx_mps + cos * level.vy_mps};
+}
+
 /// The two whitened measurements of an image's centre, and how they change with its time.
 struct Moved {
   ImageRows rows;
@@ -108,15 +126,12 @@ std::optional<SurfaceCrossing> crossing(const ShotFit& fit, std::size_t leg) {
   if (!times.fitted || fit.joint.degenerate()) return std::nullopt;
   const Path p = path(fit, leg);
   const flight::Flight values = p.values();
-  const bool falls = leg == 0;
-  const double edge = (falls ? times.last_s : times.first_s) - times.origin_s;
-  const double vy_edge = values.velocity_at(edge).y();
-  if (falls ? !(vy_edge < 0.0) : !(vy_edge > 0.0)) return std::nullopt;
-  const auto at = falls ? values.time_falling_through_s(0.0) : values.time_rising_through_s(0.0);
+  const bool surface = fit.observations.has_surface();
+  const double edge = (leg == 0 && surface ? times.last_s : times.first_s) - times.origin_s;
+  const auto at = surface ? meets_surface_s(values, edge, leg == 0) : std::optional(edge);
   if (!at) return std::nullopt;
   const double t = *at;
   const Eigen::Vector2d there = values.velocity_at(t);
-  if (falls ? !(there.y() < 0.0) : !(there.y() > 0.0)) return std::nullopt;
   Number ax = p.forcing.acceleration_mps2.x();
   Number ay = p.forcing.acceleration_mps2.y();
   const Eigen::Matrix2d& by_v = p.forcing.by_velocity_per_s;
@@ -128,7 +143,8 @@ std::optional<SurfaceCrossing> crossing(const ShotFit& fit, std::size_t leg) {
     ay.grad[kAir + i] += fit.air_fit.acceleration_mps2[i][leg].y();
   }
   const Eigen::Vector2d& j = p.forcing.jerk_mps3;
-  Number time = -1.0 / there.y() * (p.height_m + p.vy_mps * t + ay * (0.5 * t * t));
+  Number time = t;
+  if (surface) time = -1.0 / there.y() * (p.height_m + p.vy_mps * t + ay * (0.5 * t * t));
   time.value = t;
   // By the chain rule through the crossing's time.
   Number x = p.x_m + p.vx_mps * t + ax * (0.5 * t * t);
@@ -143,7 +159,8 @@ std::optional<SurfaceCrossing> crossing(const ShotFit& fit, std::size_t leg) {
     vy.grad[i] += (ay.value + j.y() * t) * time.grad[i];
   }
   time.value += times.origin_s;
-  return SurfaceCrossing{time, x, vx, vy};
+  const SurfaceCrossing level{time, x, vx, vy};
+  return surface ? level : in_photograph(fit, level);
 }
 
 std::vector<Response> time_response(const ShotFit& fit) {

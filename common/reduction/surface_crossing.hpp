@@ -1,4 +1,4 @@
-// A leg where it meets the surface, with derivatives by everything it hangs on. Part of the reduction, not of
+// A leg where its numbers are told, with derivatives by everything it hangs on. Part of the reduction, not of
 // its interface. Plain values and pure functions; thread-safe.
 #pragma once
 
@@ -94,7 +94,8 @@ inline constexpr std::size_t kAir = kJointCount + 4;  // the first of AirErrors
 using Number = Dual<kAir + kAirErrorCount>;
 using Response = decltype(Number::grad);
 
-/// A leg where its centre is one radius above the surface, in the surface's axes.
+/// A leg where its centre is one radius above the surface, in the surface's axes. Of a photograph without a
+/// surface: at the first image in use, in the photograph's.
 struct SurfaceCrossing {
   Number time_s;
   Number x_m;
@@ -108,7 +109,7 @@ Number radius(const ShotFit& fit);
 /// Of one leg about its origin of time in the surface's axes; the height is less a radius.
 flight::Flight flight_of(const ShotFit& fit, std::size_t leg);
 
-/// Returns nullopt if the leg is not fitted, or does not meet the surface in its direction.
+/// Returns nullopt if the leg is not fitted, or does not meet the surface, if there is one, in its direction.
 std::optional<SurfaceCrossing> crossing(const ShotFit& fit, std::size_t leg);
 
 /// How a fit follows its images' times, to first order: of each image, in the observations' order, the

@@ -159,20 +159,20 @@ std::optional<DrawnNumber> summary(std::vector<double>& values, const Readout& r
 
 }  // namespace
 
-std::optional<double> total_sd(const Readout& readout, Quantity quantity) {
-  const auto& sd = readout.sd[quantity];
+std::optional<double> total_sd(const Numbers& numbers, Quantity quantity) {
+  const auto& sd = numbers.sd[quantity];
   if (!sd) return std::nullopt;
-  return std::hypot(*sd, readout.sd_systematic[quantity].value_or(0.0));
+  return std::hypot(*sd, numbers.sd_systematic[quantity].value_or(0.0));
 }
 
-std::optional<double> expanded_uncertainty(const Readout& readout, Quantity quantity) {
-  const auto& sd = readout.sd[quantity];
+std::optional<double> expanded_uncertainty(const Numbers& numbers, Quantity quantity) {
+  const auto& sd = numbers.sd[quantity];
   if (!sd) return std::nullopt;
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  const double freedom = readout.degrees_of_freedom[quantity].value_or(kInfinite);
+  const double freedom = numbers.degrees_of_freedom[quantity].value_or(kInfinite);
   const double noise =
       *sd * statistics::student_t_half_width(kExpandedLevel, freedom) / statistics::student_t_sigma(freedom);
-  const double tolerances = readout.sd_systematic[quantity].value_or(0.0) *
+  const double tolerances = numbers.sd_systematic[quantity].value_or(0.0) *
                             statistics::student_t_half_width(kExpandedLevel, kInfinite);
   return std::hypot(noise, tolerances);
 }

@@ -147,9 +147,9 @@ class Reducer {
            const reduction::Frame* frame = nullptr) {
     if (!readout) return bad(place + readout.error().message);
     ++reduced_;
-    if (readout->value != reduction::Quantities{}) ++with_numbers_;
+    if (readout->value != reduction::Quantities{} || readout->launch) ++with_numbers_;
     const reduction::Budget budget = budget_of(frame);
-    if (!json_) add_to_series(*readout, budget, frame);
+    if (!json_ && !readout->launch) add_to_series(*readout, budget, frame);
     show_progress();
     if (json_) return put_json(*readout, budget);
     Shot shot_result;

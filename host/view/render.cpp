@@ -78,16 +78,20 @@ std::string plus_minus(const std::optional<double>& number, double uncertainty) 
 }
 
 /// The value with two digits of its standard uncertainty, `all`: and what that is made of.
-std::string shot_row(const reduction::Readout& readout, Quantity q, bool all) {
-  const QuantityLabel& label = kQuantityLabels[static_cast<std::size_t>(q)];
-  const auto total = total_sd(readout, q);
+std::string shot_row(std::string_view words, const reduction::Numbers& numbers, Quantity q, bool all) {
+  const auto total = total_sd(numbers, q);
   const double digits = total.value_or(0.0);
-  std::string line = left(label.words, kNameWidth) +
-                     right(readout.value[q] ? rounded(*readout.value[q], digits) : "-", kNumberWidth) + " " +
-                     plus_minus(total, digits) + " " + left(label.unit, kUnitWidth);
+  std::string line = left(words, kNameWidth) +
+                     right(numbers.value[q] ? rounded(*numbers.value[q], digits) : "-", kNumberWidth) + " " +
+                     plus_minus(total, digits) + " " +
+                     left(kQuantityLabels[static_cast<std::size_t>(q)].unit, kUnitWidth);
   if (!all) return line;
-  return line + " " + plus_minus(readout.sd[q], digits) + " " + plus_minus(readout.sd_systematic[q], digits) +
-         " " + plus_minus(reduction::expanded_uncertainty(readout, q), digits);
+  return line + " " + plus_minus(numbers.sd[q], digits) + " " + plus_minus(numbers.sd_systematic[q], digits) +
+         " " + plus_minus(reduction::expanded_uncertainty(numbers, q), digits);
+}
+
+std::string shot_row(const reduction::Readout& readout, Quantity q, bool all) {
+  return shot_row(kQuantityLabels[static_cast<std::size_t>(q)].words, readout, q, all);
 }
 
 std::string series_cells(const QuantitySummary& s) {
@@ -207,6 +211,13 @@ Lines render_shot(const Shot& shot_result, std::size_t width, bool all) {
       const auto q = static_cast<Quantity>(i);
       if (is_shown(shot_result.readout, q, all)) lines.push_back(shot_row(shot_result.readout, q, all));
     }
+  }
+  if (const auto& launch = shot_result.readout.launch) {
+    constexpr std::array<std::string_view, reduction::kLaunchQuantities.size()> kWords{
+        "launch speed", "launch angle", "launch vx", "launch vy", "launch spin"};
+    lines.push_back(shot_header(all));
+    for (std::size_t i = 0; i < kWords.size(); ++i)
+      lines.push_back(shot_row(kWords[i], *launch, reduction::kLaunchQuantities[i].quantity, all));
   }
   append(lines, remarks(shot_result, all, width));
   return fitted(std::move(lines), width);

@@ -207,6 +207,17 @@ TEST(ScreenLines, GiveEveryFlagInWords) {
   }
 }
 
+TEST(ScreenLines, ShowTheLaunchOfAFlightWithoutASurface) {
+  Shot shot;
+  reduction::Launch& launch = shot.readout.launch.emplace();
+  launch.value[Quantity::v_td_mps] = 31.234;
+  launch.sd[Quantity::v_td_mps] = 0.05;
+  const auto lines = host::render_shot(shot, 120, false);
+  CHECK_EQUAL("launch speed        31.234 ± 0.050    m/s", row(lines, "launch speed"));
+  STRCMP_CONTAINS(" - ", row(lines, "launch spin").c_str());
+  CHECK_EQUAL("", row(lines, "restitution"));
+}
+
 TEST(ScreenLines, TellWhichFlashesOfACodedTrainShowTheBall) {
   m.all = true;
   m.last->readout.flashes = reduction::ImagedFlashes{25, 37, 0.99, false};

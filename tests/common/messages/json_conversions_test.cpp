@@ -92,7 +92,7 @@ TEST(FrameJson, AnErrorNamesTheField) {
   CHECK_EQUAL("ball_diameter_m: is missing",
               complaint(replaced(kExample, R"("ball_diameter_m":0.0651,)", "")));
   CHECK_EQUAL("surface_px[2]: must be two numbers", complaint(replaced(kExample, "[20,2]", "20")));
-  CHECK_EQUAL("surface_px: must be an array of at least two points",
+  CHECK_EQUAL("surface_px: must be an array of at least two points, or of none",
               complaint(R"({"ball_diameter_m":1,"surface_px":[[0,0]],"images":[]})"));
   CHECK_EQUAL("shot_id: must be a whole number of 32 bits",
               complaint(replaced(kExample, R"("shot_id":1)", R"("shot_id":2147483648)")));
@@ -118,7 +118,7 @@ TEST(FrameJson, AnErrorNamesTheField) {
               complaint(replaced(kExample, R"("shot_id":1)", R"("record":{"a":[]})")));
   CHECK_EQUAL("images: must be an array",
               complaint(R"({"ball_diameter_m":1,"surface_px":[[0,0],[1,0]],"images":7})"));
-  CHECK_EQUAL("surface_px: must be an array of at least two points",
+  CHECK_EQUAL("surface_px: must be an array of at least two points, or of none",
               complaint(R"({"ball_diameter_m":1,"surface_px":7,"images":[]})"));
   for (const auto& [errors, wrong] : std::initializer_list<std::pair<const char*, const char*>>{
            {"7", "map_errors: must be an array"},
@@ -266,6 +266,21 @@ TEST(ReadoutJson, StatesTheResidualsOverTheirNoiseWhereItIsStated) {
   STRCMP_CONTAINS(
       R"("residual_ratio":2.5,"residual_ratio_by_kind":{"centre":null,"equator":null,"diameter":null,"surface":0.5},)",
       readout_to_json(r).c_str());
+}
+
+TEST(ReadoutJson, HasALaunchOnlyWhereThereIsOne) {
+  Readout r = example();
+  CHECK_FALSE(json::parse(readout_to_json(r)).contains("launch"));
+  reduction::Launch& launch = r.launch.emplace();
+  launch.time_s = 0.003;
+  launch.value[Quantity::v_td_mps] = 30.0;
+  launch.sd[Quantity::v_td_mps] = 0.5;
+  const json object = json::parse(readout_to_json(r));
+  CHECK_EQUAL(0.003, object["launch"]["time_s"].get<double>());
+  CHECK_EQUAL(30.0, object["launch"]["speed_mps"].get<double>());
+  CHECK_TRUE(object["launch"]["omega_radps"].is_null() && object["launch"]["sd"]["angle_deg"].is_null());
+  // 1.96 sd hold 95 % of normal errors.
+  DOUBLES_EQUAL(0.98, object["launch"]["expanded_uncertainty"]["speed_mps"].get<double>(), 1e-4);
 }
 
 TEST(ReadoutJson, NamesTheFlashesOfAMatchedPhotographAndTheirMisassignmentProbability) {

@@ -44,6 +44,12 @@ Readout reduced(const Frame& frame, Estimator estimator) {
   return *readout;
 }
 
+Readout reduced_in_air(const Frame& frame) {
+  const auto readout = reduce(frame, Estimator::best);
+  if (!readout) FAIL(readout.error().message.c_str());
+  return *readout;
+}
+
 std::string complaint(const Frame& frame) { return testing::error_of(reduce(frame, Estimator::best)); }
 
 void equal(double expected, const std::optional<double>& actual, double tolerance) {

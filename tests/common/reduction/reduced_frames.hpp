@@ -29,6 +29,9 @@ reduction::Frame noisy(const Setup& setup = vacuum(), std::uint64_t seed = 3);
 reduction::Readout reduced(const reduction::Frame& frame,
                            reduction::Estimator estimator = reduction::Estimator::best);
 
+/// Likewise in air of 20 degrees.
+reduction::Readout reduced_in_air(const reduction::Frame& frame);
+
 /// Why the frame is refused, or "accepted".
 std::string complaint(const reduction::Frame& frame);
 

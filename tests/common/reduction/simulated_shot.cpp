@@ -215,6 +215,27 @@ Frame photograph(const Bounce& b, const Setup& s, Random& random) {
   return frame;
 }
 
+Frame flight_alone(const Bounce& bounce, Setup setup, Random& random) {
+  Bounce flight = bounce;
+  flight.dwell_s = 0.0;  // no image in contact
+  setup.rebound = 0;
+  setup.surface_x_m.clear();
+  return photograph(flight, setup, random);
+}
+
+Quantities launch_truth(const Bounce& b, const Setup& s) {
+  const Unknowns u = unknowns_of(b, s);
+  const double first_s = incoming_times(s).front();
+  const Flight flight(u.in, b.diameter_m / 2, s);
+  const Flight::State level = flight.at(first_s);
+  Bounce seen;
+  seen.vx_td = std::cos(s.roll_rad) * level[2] - std::sin(s.roll_rad) * level[3];
+  seen.vy_td = std::sin(s.roll_rad) * level[2] + std::cos(s.roll_rad) * level[3];
+  constexpr double kStep_s = 1e-6;
+  seen.omega_td = (flight.turned(first_s + kStep_s) - flight.turned(first_s - kStep_s)) / (2 * kStep_s);
+  return truth(seen);
+}
+
 Quantities truth(const Bounce& b) {
   Quantities q;
   const double degree = 180 / kPi;

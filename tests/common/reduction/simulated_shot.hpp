@@ -61,6 +61,13 @@ reduction::Frame photograph(const Bounce& bounce, const Setup& setup, Random& ra
 /// What a perfect reduction reads.
 reduction::Quantities truth(const Bounce& bounce);
 
+/// One flight alone, without a surface: that before the bounce, which may rise as well.
+reduction::Frame flight_alone(const Bounce& bounce, Setup setup, Random& random);
+
+/// What a perfect reduction reads of it, in the places of the numbers at touchdown: velocity in the
+/// photograph's axes (of a mirrored one seen from the other side) and spin at its first image.
+reduction::Quantities launch_truth(const Bounce& bounce, const Setup& setup);
+
 /// Lower bound of any unbiased estimator's standard deviation (Cramer-Rao) for each quantity, from the Fisher
 /// information of the fifteen unknowns by numerical differentiation of the photograph.
 reduction::Quantities cramer_rao(const Bounce& bounce, const Setup& setup);
