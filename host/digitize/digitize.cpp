@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <set>
 
 #include "host/digitize/candidates/candidates.hpp"
 #include "host/digitize/core/statistics.hpp"
@@ -78,13 +79,16 @@ class Digitizer {
     watch.lap("outlines");
     find_surface(outlines);
     watch.lap("surface");
-    result_.outlines =
-        select_by_path(photograph_, map_, std::move(outlines), surface_, settings_, result_.unmeasured);
-    watch.lap("path");
-    fill_frame();
+    const Digitization before = result_;
+    follow_path(outlines);
+    if (passes_surface()) {
+      result_ = before;
+      surface_.reset();
+      result_.no_surface = {Reason::no_plate, "the ball flies straight on through the edge that was found"};
+      follow_path(outlines);
+    }
     measure_scale();
-    order_images(result_.frame, result_.outlines, settings_, result_.remarks);
-    watch.lap("order");
+    watch.lap("path");
     measure_contacts(result_);
     watch.lap("contacts");
     measure_line_angles();
@@ -212,6 +216,33 @@ class Digitizer {
       image.source = "auto";
       frame.images.push_back(std::move(image));
     }
+  }
+
+  void follow_path(const std::vector<Outline>& outlines) {
+    result_.outlines = select_by_path(photograph_, map_, outlines, surface_, settings_, result_.unmeasured);
+    fill_frame();
+    order_images(result_.frame, result_.outlines, settings_, result_.remarks);
+  }
+
+  /// A line that was found may be the edge of anything, as of a lawn. On a real surface the path of a ball in
+  /// contact leaves its leg's by so much within a third of the contact.
+  bool passes_surface() const {
+    constexpr double kStraightOfDiameter = 0.03;
+    if (!surface_ || settings_.surface) return false;
+    std::vector<Eigen::Vector2d> airborne, touching;
+    std::set<std::optional<Leg>> legs;
+    for (std::size_t i = 0; i < result_.outlines.size(); ++i) {
+      const BallImage& image = result_.frame.images[i];
+      const bool contact = image.leg == Leg::contact;
+      (contact ? touching : airborne).push_back(to_eigen(result_.outlines[i].centre));
+      if (!contact) legs.insert(image.leg);
+    }
+    const auto line = geometry::fit_line(airborne);
+    if (touching.empty() || airborne.size() < 3 || legs.size() > 1 || !line) return false;
+    return std::ranges::all_of(touching, [&](const Eigen::Vector2d& centre) {
+      return std::abs(line->coordinates(centre).y()) <
+             kStraightOfDiameter * result_.outlines.front().diameter;
+    });
   }
 
   void measure_scale() {

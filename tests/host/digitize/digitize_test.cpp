@@ -174,6 +174,32 @@ TEST(Digitize, GivesAFrameThatCanBeReduced) {
   DOUBLES_EQUAL(75.3 / kDiameter_px * kBall_m / 3e-3, *readout->value[reduction::Quantity::vx_td_mps], 0.2);
 }
 
+TEST(Digitize, TakesNoEdgeForASurfaceThatTheBallFliesOnThrough) {
+  // A stroke from a tee: the first image reaches 12 px below the edge of the lawn behind it.
+  const double edge = kHeight - 1 - kPlateRow;
+  std::vector<Placed> images;
+  for (int k = 0; k < 6; ++k) images.push_back({{90.0 + 100.3 * k, edge + 36.0 + 44.7 * k}, Leg::rebound});
+  painter::Painting painting = picture(images);
+  for (auto& ball : painting.balls) ball.floor_row.reset();
+  const digitize::Photograph photograph = painter::paint(painting);
+  DigitizeSettings s = settings();
+  s.flash_times_s = std::vector<double>{0.0, 0.003, 0.006, 0.009, 0.012, 0.015};
+  const auto flight = digitize::digitize(photograph, s);
+  CHECK(flight && flight->no_surface);
+  CHECK(flight->frame.surface_px.empty());
+  CHECK_EQUAL(6U, flight->frame.images.size());
+  for (const auto& image : flight->frame.images) CHECK(!image.leg && !image.top_px);
+  const auto readout = reduction::reduce(flight->frame, reduction::Estimator::best);
+  CHECK(readout && readout->launch);
+  // Steps of 109.8 px in 3 ms at 1475 px/m; half a per cent for gravity, which is not painted, and the ball's size.
+  const double speed = std::hypot(100.3, 44.7) / 3e-3 / (kDiameter_px / kBall_m);
+  DOUBLES_EQUAL(speed, *readout->launch->value[reduction::Quantity::v_td_mps], 0.005 * speed);
+  // A surface that was given is one, whatever the path.
+  s.surface = digitize::SurfaceLine{{{0.0, edge}, {759.0, edge}}, 0.3};
+  const auto given = digitize::digitize(photograph, s);
+  CHECK(given && given->frame.images.front().leg == Leg::contact);
+}
+
 TEST(Digitize, SaysThatAPhotographOfACameraOnItsSideIsNotTurned) {
   digitize::Photograph photograph = painter::paint(picture(bounce()));
   const auto upright = digitize::digitize(photograph, settings());
