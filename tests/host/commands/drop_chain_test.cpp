@@ -25,7 +25,7 @@ Case dropped(const testing::TemporaryFolder& folder, int period_ms) {
   const std::string name = fmt::format("drop_{}", period_ms), scene = folder / (name + ".toml");
   write_text(
       scene,
-      "inherits = \"drop_100in_in_air\"\n[camera]\npx_per_m = 1500\norigin_x_px = 560\norigin_y_px = 110\n");
+      "inherits = \"drop_100in\"\n[camera]\npx_per_m = 1500\norigin_x_px = 560\norigin_y_px = 110\n");
   const Run made = run_program("strobe-sim", {"photograph", "--scene", scene, "--seed", "3", "--period-ms",
                                               std::to_string(period_ms), "--out", folder / name, "--json"});
   CHECK_TEXT(made.code == 0, made.err.c_str());
