@@ -431,6 +431,8 @@ ordered_json readout_json(const Readout& readout) {
   object["degrees_of_freedom"] = quantities_json(readout.degrees_of_freedom);
   object["expanded_uncertainty"] = quantities_json(expanded(readout));
   put_residual_ratios(object, readout.residual_ratios);
+  if (const auto& cause = readout.likely_cause)
+    object["likely_cause"] = {{"cause", name(cause->cause)}, {"value", cause->value}, {"sd", cause->sd}};
   if (readout.launch) object["launch"] = launch_json(*readout.launch);
   if (readout.legacy) {
     object["far"] = quantities_json(readout.legacy->far);

@@ -135,7 +135,8 @@ class Mixing {
     Frame frame = frame_;
     for (std::size_t i = 0; i < frame.images.size(); ++i)
       frame.images[i].time_s = group.members.front()->time_s[i];
-    auto readout = reduce(frame, Estimator::best, {.effects = effects, .by_time = group.members.size() > 1});
+    auto readout = reduce(frame, Estimator::best,
+                          {.effects = effects, .by_time = group.members.size() > 1, .likely_cause = false});
     if (!readout) return std::nullopt;
     return std::move(*readout);
   }

@@ -121,6 +121,27 @@ struct ResidualRatios {
   std::array<std::optional<double>, kMeasurementKindCount> by_kind;  ///< index: MeasurementKind
 };
 
+/// What was stated or assumed of a photograph, and may be the one thing that was wrong.
+enum class Cause {
+  air,            ///< drag and lift
+  scale,          ///< calibrated
+  ball_diameter,  //
+  inclination,    ///< of surface or camera, against the vertical
+  flash_period,   ///< the clock's rate
+};
+inline constexpr std::array<std::string_view, 5> kCauseNames{"air", "scale", "ball_diameter", "inclination",
+                                                             "flash_period"};
+inline constexpr std::size_t kCauseCount = kCauseNames.size();
+constexpr std::string_view name(Cause cause) { return kCauseNames[static_cast<std::size_t>(cause)]; }
+
+/// Why measurements contradict each other. `value` would explain it: of the air the factor to drag and lift
+/// as assumed, of the inclination degrees more than stated, of the others percent.
+struct LikelyCause {
+  Cause cause = Cause::air;
+  double value = 0.0;
+  double sd = 0.0;
+};
+
 struct Numbers {
   Quantities value;
   Quantities sd;             ///< statistical standard deviation, given the ball's diameter
@@ -155,6 +176,7 @@ struct Readout : Numbers {
   bool mirrored = false;
   FlagSet flags;
   ResidualRatios residual_ratios;  ///< only with method "best"
+  std::optional<LikelyCause> likely_cause;  ///< of flags that say that measurements disagree
   Record record;
   std::optional<ImagedFlashes> flashes;    ///< only of a photograph that a host matched with its shot
   std::optional<Assignments> assignments;  ///< likewise; absent where no steady flight fits the flashes

@@ -10,6 +10,7 @@
 #include "common/reduction/consistency.hpp"
 #include "common/reduction/flight_effects.hpp"
 #include "common/reduction/legacy.hpp"
+#include "common/reduction/likely_cause.hpp"
 #include "common/reduction/outliers.hpp"
 #include "common/reduction/propagate.hpp"
 #include "common/reduction/reduced_shot.hpp"
@@ -230,6 +231,21 @@ std::optional<std::string> invalid_for(Estimator estimator, const Frame& frame) 
   return "surface_px: without a surface only the best estimator gives numbers";
 }
 
+/// Of all images: those that were left out may be what tells.
+std::optional<LikelyCause> cause_of(const Frame& frame, const ReduceOptions& options, const FlagSet& flags) {
+  constexpr std::array kContradictions{Flag::outlier_image, Flag::residuals_exceed_noise,
+                                       Flag::scale_contradicts_ball};
+  if (std::ranges::none_of(kContradictions, [&](Flag flag) { return flags.has(flag); })) return std::nullopt;
+  FlagSet found;
+  std::optional<Observations> observations = observe(frame, found, options.noise);
+  if (!observations) return std::nullopt;
+  return likely_cause(fit_shot(std::move(*observations),
+                               {.effects = options.effects.value_or(flight::Effects{}),
+                                .reject_outliers = false,
+                                .spins_open = flags.has(Flag::spin_aliased)},
+                               found));
+}
+
 /// There is no surface to touch down on.
 void move_to_launch(const ReducedShot& shot, double first_image_s, Readout& readout) {
   if (readout.value == Quantities{}) return;
@@ -246,6 +262,8 @@ Result<Readout> reduce(const Frame& frame, Estimator estimator, const ReduceOpti
   }
   auto shot = reduce_shot(frame, estimator, options);
   if (!shot) return tl::unexpected(shot.error());
+  if (options.likely_cause && estimator == Estimator::best && shot->readout.value != Quantities{})
+    shot->readout.likely_cause = cause_of(frame, options, shot->readout.flags);
   if (frame.surface_px.empty() && !frame.images.empty())
     move_to_launch(*shot, frame.images.front().time_s, shot->readout);
   return std::move(shot->readout);

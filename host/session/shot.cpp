@@ -201,6 +201,24 @@ std::string words(Flag flag, const reduction::Readout& readout, const FlashFault
   return which.empty() ? sentence : sentence + " (" + which + ")";
 }
 
+std::string words(const reduction::LikelyCause& cause) {
+  const std::string value = fmt::format("{:.3g} ± {:.1g}", cause.value, cause.sd);
+  switch (cause.cause) {
+    case reduction::Cause::air:
+      return "likely cause: the air; with drag and lift " + value + " times those assumed all agrees";
+    case reduction::Cause::scale:
+      return "likely cause: the calibrated scale; with " + value + " % more px/m all agrees";
+    case reduction::Cause::ball_diameter:
+      return "likely cause: the ball's diameter; with " + value + " % more all agrees";
+    case reduction::Cause::inclination:
+      return "likely cause: the inclination of surface or camera; with " + value +
+             " degrees more than stated all agrees";
+    case reduction::Cause::flash_period:
+      return "likely cause: the clock; with " + value + " % more between flashes all agrees";
+  }
+  return {};
+}
+
 std::optional<std::string> rejection_reason(const reduction::Readout& readout,
                                             const MatchTolerance& tolerance, const FlashFaults& faults) {
   constexpr std::array kRejecting{Flag::shot_aborted,       Flag::no_photograph, Flag::too_few_images,

@@ -95,6 +95,9 @@ std::string_view words(reduction::Flag flag);
 /// Likewise, with the flashes that it is about: of those that show the ball, where these are known.
 std::string words(reduction::Flag flag, const reduction::Readout& readout, const FlashFaults& faults);
 
+/// What flags likely come from, as a sentence for a person.
+std::string words(const reduction::LikelyCause& cause);
+
 /// By how much numbers may differ from one plausible assignment of flashes to images to the next: twice the
 /// standard deviation between the hypotheses, which of two equally likely ones is their difference.
 struct MatchTolerance {

@@ -126,6 +126,7 @@ Lines remarks(const Shot& shot_result, bool all, std::size_t width) {
     if (shot_result.readout.flags.has(flag))
       add("! " + words(flag, shot_result.readout, shot_result.train.faults));
   }
+  if (const auto& cause = shot_result.readout.likely_cause) add("! " + words(*cause));
   if (!shot_result.problem.empty()) add("! " + shot_result.problem);
   if (const std::string what = advice(shot_result); !what.empty()) add("What to do: " + what);
   const auto& flashes = shot_result.readout.flashes;

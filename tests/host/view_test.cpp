@@ -207,6 +207,17 @@ TEST(ScreenLines, GiveEveryFlagInWords) {
   }
 }
 
+TEST(ScreenLines, NameTheLikelyCauseOfFlags) {
+  m.last->readout.likely_cause = reduction::LikelyCause{reduction::Cause::air, 0.04, 0.03};
+  CHECK_EQUAL("! likely cause: the air; with drag and lift 0.04 ± 0.03 times those assumed all agrees",
+              row(render(m, 150), "! likely"));
+  for (const auto cause : {reduction::Cause::scale, reduction::Cause::ball_diameter, reduction::Cause::inclination,
+                           reduction::Cause::flash_period}) {
+    m.last->readout.likely_cause = reduction::LikelyCause{cause, -1.234, 0.012};
+    STRCMP_CONTAINS("-1.23 ± 0.01 ", row(render(m, 150), "! likely").c_str());
+  }
+}
+
 TEST(ScreenLines, ShowTheLaunchOfAFlightWithoutASurface) {
   Shot shot;
   reduction::Launch& launch = shot.readout.launch.emplace();

@@ -268,14 +268,17 @@ TEST(ReadoutJson, StatesTheResidualsOverTheirNoiseWhereItIsStated) {
       readout_to_json(r).c_str());
 }
 
-TEST(ReadoutJson, HasALaunchOnlyWhereThereIsOne) {
+TEST(ReadoutJson, HasALaunchOrALikelyCauseOnlyWhereThereIsOne) {
   Readout r = example();
   CHECK_FALSE(json::parse(readout_to_json(r)).contains("launch"));
+  CHECK_FALSE(json::parse(readout_to_json(r)).contains("likely_cause"));
+  r.likely_cause = reduction::LikelyCause{reduction::Cause::flash_period, 1.5, 0.25};
   reduction::Launch& launch = r.launch.emplace();
   launch.time_s = 0.003;
   launch.value[Quantity::v_td_mps] = 30.0;
   launch.sd[Quantity::v_td_mps] = 0.5;
   const json object = json::parse(readout_to_json(r));
+  CHECK_EQUAL(json({{"cause", "flash_period"}, {"value", 1.5}, {"sd", 0.25}}), object["likely_cause"]);
   CHECK_EQUAL(0.003, object["launch"]["time_s"].get<double>());
   CHECK_EQUAL(30.0, object["launch"]["speed_mps"].get<double>());
   CHECK_TRUE(object["launch"]["omega_radps"].is_null() && object["launch"]["sd"]["angle_deg"].is_null());
