@@ -224,8 +224,8 @@ TEST(ScreenLines, ShowTheLaunchOfAFlightWithoutASurface) {
   launch.value[Quantity::v_td_mps] = 31.234;
   launch.sd[Quantity::v_td_mps] = 0.05;
   const auto lines = host::render_shot(shot, 120, false);
-  CHECK_EQUAL("launch speed        31.234 ± 0.050    m/s", row(lines, "launch speed"));
-  STRCMP_CONTAINS(" - ", row(lines, "launch spin").c_str());
+  CHECK_EQUAL("launch speed 31.234 ± 0.050 m/s", row(lines, "launch speed"));
+  CHECK_EQUAL("launch spin - rad/s", row(lines, "launch spin"));
   CHECK_EQUAL("", row(lines, "restitution"));
 }
 
