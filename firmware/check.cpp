@@ -65,7 +65,7 @@ class Report {
 };
 
 std::string session_fault(const std::filesystem::path& session) {
-  if (session.empty()) return "no --session given: where is the journal to go?";
+  if (session.empty()) return "--session is required: the folder for the journal";
   std::error_code error;
   std::filesystem::path existing = std::filesystem::absolute(session);
   while (!std::filesystem::exists(existing, error) && existing.has_relative_path())
@@ -100,9 +100,9 @@ int check_rig(const Rig& rig, const Options& given) {
                                   (key->made ? " (new)" : "") + key_note(options, rig)}
                   : CheckItem{"key", Verdict::fault, key.error().message});
   lcm::LCM lcm(options.lcm_url);
-  report.item(
-      "lcm",
-      lcm.good() ? "" : options.lcm_url + ": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)");
+  report.item("lcm", lcm.good() ? ""
+                                : "LCM cannot use \"" + options.lcm_url +
+                                      "\": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)");
   report.print_lines_to_paste();
   return report.faults() == 0 ? kExitDone : kExitFailed;
 }

@@ -114,7 +114,7 @@ int run(int argc, char** argv) {
                                   "mends it, and end");
   app.add_flag("--safe", safe, "drive all outputs inactive once, and end")->excludes(check_flag);
   app.add_flag("--move-interrupts", move,
-               "as root: keep the machine's interrupts off the CPU of [real_time] cpu, and end")
+               "as root: keep this computer's interrupts off the CPU of [real_time] cpu, and end")
       ->excludes(check_flag);
   app.add_option(
       "--drill", drill,

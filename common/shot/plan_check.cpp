@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
+#include <utility>
 
 namespace strobe {
 
@@ -10,7 +12,11 @@ namespace {
 using Problem = std::optional<PlanProblem>;
 
 std::string us(Duration d) { return std::to_string(d / microseconds(1)) + " us"; }
-std::string ms(Duration d) { return std::to_string(d / milliseconds(1)) + " ms"; }
+std::string ms(Duration d) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.13g ms", 1e-6 * static_cast<double>(d / nanoseconds(1)));
+  return text.data();
+}
 bool sane(Duration d) { return d >= Duration{} && d <= kLongestOfPlan; }
 
 Duration impact_at(const ShotPlan& plan, const PlanLimits& limits) {
@@ -26,7 +32,7 @@ Problem check_code(const CodedTrain& code, const PlanLimits& limits) {
   for (std::size_t i = 0; i < code.size(); ++i) {
     const CodedFlash flash = code[i];
     if (flash.lamps < Lamps::a || flash.lamps > Lamps::both) return in_code(i, "names no lamp");
-    if (!sane(flash.offset)) return in_code(i, "has an instant that is negative or absurdly large");
+    if (!sane(flash.offset)) return in_code(i, "is not from 0 to 1 h after the first");
     if (i > 0 && flash.offset - code[i - 1].offset <= limits.flash_interval) {
       return in_code(i, "comes " + us(flash.offset - code[i - 1].offset) +
                             " after the one before, where more than " + us(limits.flash_interval) +
@@ -43,6 +49,16 @@ Problem check_code(const CodedTrain& code, const PlanLimits& limits) {
     }
   }
   return std::nullopt;
+}
+
+Problem check_ranges(const ShotPlan& plan) {
+  const std::array durations{std::pair{"period_us", plan.period}, std::pair{"shutter_open_ms", plan.exposure},
+                             std::pair{"gate_delay_ms", plan.gate_delay},
+                             std::pair{"impact_at_ms", plan.impact_at}};
+  for (const auto& [field, duration] : durations)
+    if (!sane(duration)) return PlanProblem{field, std::string(field) + " is not from 0 to 1 h"};
+  if (plan.flash_count >= 0 && plan.flash_count <= kMaxFlashes) return std::nullopt;
+  return PlanProblem{"flash_count", "flash_count is not from 0 to " + std::to_string(kMaxFlashes)};
 }
 
 Problem check_interval(const ShotPlan& plan, const PlanLimits& limits) {
@@ -64,8 +80,8 @@ Problem check_gated(const ShotPlan& plan, const PlanLimits& limits) {
                                           " is not that of the coded train"};
   const Duration burst = plan.gate_delay + train_length(plan, plan.flash_count) + limits.lamp_pulse;
   if (burst <= plan.exposure) return std::nullopt;
-  return PlanProblem{"gate_delay_ms", "gate delay and burst take " + us(burst) +
-                                          ", longer than the exposure of " + us(plan.exposure)};
+  return PlanProblem{"gate_delay_ms", "gate delay and burst take " + ms(burst) +
+                                          ", longer than the exposure of " + ms(plan.exposure)};
 }
 
 Problem check_free(const ShotPlan& plan) {
@@ -73,8 +89,8 @@ Problem check_free(const ShotPlan& plan) {
     return PlanProblem{"flash_count", "a free train has a flash_count of 0: the exposure decides"};
   if (plan.gate_delay != Duration{}) return PlanProblem{"gate_delay_ms", "a free train has no gate delay"};
   if (plan.code.empty() || plan.code.back().offset < plan.exposure) return std::nullopt;
-  return PlanProblem{"intervals_us", "the coded train takes " + us(plan.code.back().offset) +
-                                         ", longer than the exposure of " + us(plan.exposure)};
+  return PlanProblem{"intervals_us", "the coded train takes " + ms(plan.code.back().offset) +
+                                         ", longer than the exposure of " + ms(plan.exposure)};
 }
 
 Problem check_exposure(const ShotPlan& plan, const PlanLimits& limits) {
@@ -105,10 +121,7 @@ Problem check_count(const ShotPlan& plan, const PlanLimits& limits) {
 std::optional<PlanProblem> plan_problem(const ShotPlan& plan, const PlanLimits& limits) {
   if (plan.train != Train::free && plan.train != Train::gated)
     return PlanProblem{"train", "unknown kind of train"};
-  if (!sane(plan.period) || !sane(plan.exposure) || !sane(plan.gate_delay) || !sane(plan.impact_at) ||
-      plan.flash_count < 0 || plan.flash_count > kMaxFlashes) {
-    return PlanProblem{"plan", "a number of the plan is negative or absurdly large"};
-  }
+  if (auto problem = check_ranges(plan)) return problem;
   if (auto problem = check_interval(plan, limits)) return problem;
   if (auto problem = check_exposure(plan, limits)) return problem;
   auto problem = plan.train == Train::gated ? check_gated(plan, limits) : check_free(plan);

@@ -22,13 +22,13 @@ const char* stop_words(InterlockEvent event) {
     case InterlockEvent::estop_off:
       return "the e-stop was released";
     default:
-      return "the machine was suspended";
+      return "the rig's computer was suspended";
   }
 }
 
 const char* refusal_in(State state) {
   if (state == State::firing) return "a shot is being fired";
-  if (state == State::spent) return "the shot is spent: arm for another";
+  if (state == State::spent) return "the arming is spent: arm again";
   if (state == State::stopped) return "stopped";
   return "not armed";
 }
@@ -39,7 +39,8 @@ const char* Interlock::blocked_by_permission(std::uint32_t guards) const noexcep
   if ((guards & guard::no_fault) != 0 && fault_[0] != '\0') return fault_;
   if ((guards & guard::estop_off) != 0 && estop_) return "the e-stop is pressed";
   if ((guards & guard::key_on) != 0 && !key_) return "the key is off";
-  if ((guards & guard::no_stop) != 0 && stop_[0] != '\0') return "a stop has not been reset by a person";
+  if ((guards & guard::no_stop) != 0 && stop_[0] != '\0')
+    return "stopped: a person must give the command to fire anew";
   if ((guards & guard::fault_latched) != 0 && fault_[0] == '\0') return "there is no fault to clear";
   return nullptr;
 }
@@ -48,17 +49,17 @@ const char* Interlock::blocked_by_request(std::uint32_t guards, const Request& r
   const auto fails = [guards](std::uint32_t bit, bool holds) { return (guards & bit) != 0 && !holds; };
   if (fails(guard::named_host, request.host != 0 && request.token != 0)) return "the command names no host";
   if (fails(guard::own_arming, state_ != State::armed || host_ == request.host))
-    return "another host has armed";
+    return "another host has armed the rig";
   if (fails(guard::in_time, request.now < expires_)) return "the arming has expired";
   if (fails(guard::token, request.host == host_ && request.token == token_))
-    return "not the token that was given to this host";
+    return "the token is not that of the arming";
   if (fails(guard::new_shot, request.shot_id > shot_id_)) return "a shot of this number is spent";
   if (fails(guard::this_shot, request.shot_id == shot_id_)) return "another shot is being fired";
   if (fails(guard::trigger_pending, trigger_pending_)) return "the shot has no trigger left";
   if (fails(guard::after_stops, request.acted > last_stop_))
-    return "a stop, or a switch's return, came after it was asked for: ask anew";
+    return "the rig was stopped, or key or e-stop moved, after this command was given: give it again";
   if (fails(guard::reset_by_host, admitted(request.host)))
-    return "a stop has not been reset by a person at this host";
+    return "stopped: a person must give the command to fire anew at this host";
   if (fails(guard::restart_delay, request.now >= restart_)) return "a stop was reset just now";
   return nullptr;
 }
@@ -180,7 +181,7 @@ Effect Interlock::tick(MonoTime now) noexcept {
 }
 
 Effect Interlock::stood_still() noexcept {
-  return dispatch(InterlockEvent::expiry, "the loop stood still while it was armed", {});
+  return dispatch(InterlockEvent::expiry, "the real-time loop stood still while the rig was armed", {});
 }
 
 Effect Interlock::key(bool active, MonoTime now) noexcept {
@@ -196,7 +197,7 @@ Effect Interlock::estop(bool active, MonoTime now) noexcept {
 }
 
 Effect Interlock::suspended(MonoTime now) noexcept {
-  return dispatch(InterlockEvent::suspended, "the machine was suspended", now);
+  return dispatch(InterlockEvent::suspended, "the rig's computer was suspended", now);
 }
 
 Effect Interlock::fault(const char* why) noexcept { return dispatch(InterlockEvent::fault, why, {}); }

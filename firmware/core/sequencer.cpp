@@ -226,7 +226,7 @@ void Sequencer::check_time(MonoTime turned) noexcept {
     const Interlock::Effect effect = interlock_.suspended(clock_.now());
     apply(effect);
     if (effect.kind == Interlock::Effect::Kind::none)
-      report(EventKind::disarmed, "the machine was suspended");
+      report(EventKind::disarmed, "the rig's computer was suspended");
   }
   if (woken_ - turned > kStoodStill) apply(interlock_.stood_still());
 }

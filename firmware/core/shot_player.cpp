@@ -123,7 +123,7 @@ void ShotPlayer::issue_next(MonoTime due, MonoTime now) noexcept {
 
 void ShotPlayer::issue(const PlannedPulse& pulse, MonoTime now) noexcept {
   // After hours of sleep nothing is late by this clock.
-  if (clock_.suspended() - suspended_before_ > kAsleep) return abort("the machine was suspended");
+  if (clock_.suspended() - suspended_before_ > kAsleep) return abort("the rig's computer was suspended");
   const Duration lateness = now - at(pulse.at);
   if (lateness > rig_.tolerance.abort_late) {
     ShortText why(pulse.output == Output::strobes   ? "flash "

@@ -74,7 +74,7 @@ std::string pin_to_cpu(int cpu) {
   CPU_SET(static_cast<std::size_t>(cpu), &set);
   const int error = pthread_setaffinity_np(pthread_self(), sizeof set, &set);
   if (error == 0) return "";
-  return "real_time.cpu: CPU " + std::to_string(cpu) + " cannot be had (" + std::strerror(error) + ")";
+  return "real_time.cpu: CPU " + std::to_string(cpu) + " cannot be used (" + std::strerror(error) + ")";
 }
 
 void exclude_cpu(int cpu) {

@@ -77,7 +77,7 @@ void SleepInhibitor::look_after_child() {
 
 void SleepInhibitor::give_up(const std::string& why) {
   gave_up_ = true;
-  say_("warning: nothing keeps this machine from going to sleep while a shot is under way: " + why);
+  say_("warning: nothing keeps this computer from going to sleep while a shot is under way: " + why);
 }
 
 }  // namespace strobe::firmware

@@ -102,7 +102,7 @@ Result<void> Journal::append(const std::vector<Message>& messages, std::int64_t 
 Result<void> Journal::sync() {
   if (fdatasync(fd_) == 0) return {};
   broken_ = path_.string() + ": " + std::strerror(errno) +
-            ", and what was written may be lost; look after the disk and restart strobed";
+            ", and what was written may be lost; check the disk and restart strobed";
   return fail(broken_);
 }
 

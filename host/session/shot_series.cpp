@@ -20,7 +20,7 @@ constexpr int kMaxRefusals = 3;
 constexpr Duration kBeginWithin = std::chrono::seconds{10};
 /// The firmware's word for it (firmware/core/interlock.cpp).
 constexpr std::string_view kDisarmedByCommand = "disarmed by command";
-constexpr std::string_view kSuspended = "the machine was suspended";
+constexpr std::string_view kSuspended = "the rig's computer was suspended";
 
 /// Of a key or an e-stop that a person has to move first; null: neither.
 const char* switch_in_the_way(const status_t& status) {
@@ -277,7 +277,7 @@ void ShotSeries::on_stop_event(const event_t& event) {
   const bool disarmed = event.kind == event_t::DISARMED || event.kind == event_t::SHOT_ABORTED;
   if (disarmed && event.detail.starts_with(kDisarmedByCommand))
     return end_after_shot("another host has disarmed the rig");
-  if (disarmed && event.detail == kSuspended) return end_after_shot("the rig's computer was suspended");
+  if (disarmed && event.detail == kSuspended) return end_after_shot(event.detail);
   if (event.kind == event_t::KEY) end_after_shot("the key was turned off");
   if (event.kind == event_t::ESTOP) end_after_shot("the e-stop was pressed");
 }

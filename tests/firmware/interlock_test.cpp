@@ -63,7 +63,7 @@ TEST(Interlock, ArmsOnlyWithTheKeyOnAndTheEStopReleased) {
 
 TEST(Interlock, ArmsNothingAfterAStopThatNobodyHasReset) {
   const auto refused = [this] {
-    STRCMP_EQUAL("a stop has not been reset by a person", lock.arm(kHost, kToken, kNow));
+    STRCMP_EQUAL("stopped: a person must give the command to fire anew", lock.arm(kHost, kToken, kNow));
     CHECK_EQUAL(State::stopped, lock.state());
   };
   lock.key(false, kNow);
@@ -82,7 +82,7 @@ TEST(Interlock, ArmsNothingAfterAStopThatNobodyHasReset) {
 }
 
 TEST(Interlock, ResetsNothingThatCameAfterThePersonActed) {
-  const char* refusal = "a stop, or a switch's return, came after it was asked for: ask anew";
+  const char* refusal = "the rig was stopped, or key or e-stop moved, after this command was given: give it again";
   lock.estop(true, kNow);
   lock.estop(false, kNow + milliseconds(5));
   STRCMP_EQUAL(refusal, lock.reset(kHost, kNow + milliseconds(5), kNow + milliseconds(6)));
@@ -109,7 +109,7 @@ TEST(Interlock, ArmsNoSoonerThanTheRestartDelayAfterAReset) {
 TEST(Interlock, ArmsForNoHostWhosePersonHasNotActedSinceTheStop) {
   lock.disarm(kNow);
   reset(kOther);
-  STRCMP_EQUAL("a stop has not been reset by a person at this host", lock.arm(kHost, kToken, kNow));
+  STRCMP_EQUAL("stopped: a person must give the command to fire anew at this host", lock.arm(kHost, kToken, kNow));
   reset(kHost);
   arm();
 }
@@ -143,7 +143,7 @@ TEST(Interlock, StartsStoppedWithTheKeyOffOrTheEStopPressed) {
     CHECK_EQUAL(State::stopped, fresh.state());
     fresh.key(true, kNow);
     fresh.estop(false, kNow);
-    STRCMP_EQUAL("a stop has not been reset by a person", fresh.arm(kHost, kToken, kNow));
+    STRCMP_EQUAL("stopped: a person must give the command to fire anew", fresh.arm(kHost, kToken, kNow));
   }
 }
 
@@ -154,7 +154,7 @@ TEST(Interlock, FiresOnceForAToken) {
   CHECK(lock.arm_expires() == MonoTime{});
   lock.shot_over();
   CHECK_EQUAL(State::spent, lock.state());
-  STRCMP_EQUAL("the shot is spent: arm for another", lock.fire(kHost, kToken, kShot + 1, false, kNow));
+  STRCMP_EQUAL("the arming is spent: arm again", lock.fire(kHost, kToken, kShot + 1, false, kNow));
 }
 
 TEST(Interlock, ArmsForAnotherShotAfterASpentOne) {
@@ -185,7 +185,7 @@ TEST(Interlock, ReleasesTheTriggerForNoOtherShotThanTheOneThatIsFired) {
 
 TEST(Interlock, RefusesAnotherTokenOrAnotherHostAndStaysArmed) {
   arm();
-  const char* refusal = "not the token that was given to this host";
+  const char* refusal = "the token is not that of the arming";
   STRCMP_EQUAL(refusal, lock.fire(kHost, kToken + 1, kShot, false, kNow));
   STRCMP_EQUAL(refusal, lock.fire(kOther, kToken, kShot, false, kNow));
   STRCMP_EQUAL(refusal, lock.fire(kHost, 0, kShot, false, kNow));
@@ -194,7 +194,7 @@ TEST(Interlock, RefusesAnotherTokenOrAnotherHostAndStaysArmed) {
 
 TEST(Interlock, LetsNoOtherHostTakeOverAnArming) {
   arm();
-  STRCMP_EQUAL("another host has armed", lock.arm(kOther, kToken + 5, kNow));
+  STRCMP_EQUAL("another host has armed the rig", lock.arm(kOther, kToken + 5, kNow));
   CHECK_EQUAL(kHost, lock.arm_host());
 }
 

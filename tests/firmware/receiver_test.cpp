@@ -224,8 +224,8 @@ TEST(Receiver, FindsWhatIsWrongWithAFire) {
       {[](Type& m) { m.schema_version = 3; }, "schema version 3 instead of 2"},
       {[](Type& m) { m.host_id = 0; }, "names no host"},
       {[](Type& m) { m.plan.period_ns = 1'000'000; }, "shorter than the lamps'"},
-      {[](Type& m) { m.plan.period_ns = INT64_MIN; }, "negative or absurdly large"},
-      {[](Type& m) { m.plan.shutter_open_ns = INT64_MAX; }, "negative or absurdly large"},
+      {[](Type& m) { m.plan.period_ns = INT64_MIN; }, "period_us is not from 0 to 1 h"},
+      {[](Type& m) { m.plan.shutter_open_ns = INT64_MAX; }, "shutter_open_ms is not from 0 to 1 h"},
       {[](Type& m) { m.plan.train = 3; }, "unknown kind of train"},
       {[](Type& m) {
          m.notes.resize(1);

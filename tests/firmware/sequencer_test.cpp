@@ -165,12 +165,12 @@ TEST(Sequencer, RefusesAFireThatIsPlayedBack) {
   bench.give(fire);
   bench.play();
   CHECK_EQUAL(1u, rig.instants(Output::trigger).size());
-  CHECK_EQUAL("FIRE: the shot is spent: arm for another", refusal());
+  CHECK_EQUAL("FIRE: the arming is spent: arm again", refusal());
 }
 
 TEST(Sequencer, RefusesAWrongToken) {
   bench.give(bench.fire_command(bench.arm() + 1));
-  CHECK_EQUAL("FIRE: not the token that was given to this host", refusal());
+  CHECK_EQUAL("FIRE: the token is not that of the arming", refusal());
   CHECK_EQUAL(0u, rig.count(EventKind::shot_started));
 }
 
@@ -348,9 +348,9 @@ TEST(Sequencer, ArmsAfterAnEStopOnlyOnceAPersonHasResetIt) {
   const Command early = bench.reset_command();  // given before the e-stop was released
   for (int turn = 0; turn < 5; ++turn) bench.step();
   bench.give(bench.arm_command());
-  CHECK_EQUAL("ARM: a stop has not been reset by a person", refusal());
+  CHECK_EQUAL("ARM: stopped: a person must give the command to fire anew", refusal());
   bench.give(early);
-  CHECK_EQUAL("RESET: a stop, or a switch's return, came after it was asked for: ask anew",
+  CHECK_EQUAL("RESET: the rig was stopped, or key or e-stop moved, after this command was given: give it again",
               std::string(rig.find(EventKind::refused, 1)->detail.view()));
   bench.give(bench.reset_command());
   CHECK_EQUAL(1u, rig.count(EventKind::reset));
@@ -397,7 +397,7 @@ TEST(Sequencer, AbortsAShotInWhichTheMachineWasSuspended) {
   while (rig.time < start + milliseconds(100)) bench.step();
   rig.asleep = milliseconds(3'600'000);  // hours by every other clock
   bench.play();
-  CHECK_EQUAL("the machine was suspended", bench.abort_reason());
+  CHECK_EQUAL("the rig's computer was suspended", bench.abort_reason());
   CHECK_EQUAL(State::stopped, bench.sequencer.state());
 }
 
@@ -414,7 +414,7 @@ TEST(Sequencer, DropsWhatIsArmedWhenTheMachineWasSuspended) {
   rig.asleep = milliseconds(60'000);
   bench.step();
   CHECK_EQUAL(State::stopped, bench.sequencer.state());
-  CHECK_EQUAL("the machine was suspended", std::string(rig.find(EventKind::disarmed)->detail.view()));
+  CHECK_EQUAL("the rig's computer was suspended", std::string(rig.find(EventKind::disarmed)->detail.view()));
 }
 
 TEST(Sequencer, DropsWhatIsArmedWhenItStoodStillItself) {
@@ -424,7 +424,7 @@ TEST(Sequencer, DropsWhatIsArmedWhenItStoodStillItself) {
   rig.freeze(rig.time + nanoseconds(30), Sequencer::kStoodStill + milliseconds(1));
   bench.step();
   CHECK_EQUAL("FIRE: not armed", refusal());
-  CHECK_EQUAL("the loop stood still while it was armed",
+  CHECK_EQUAL("the real-time loop stood still while the rig was armed",
               std::string(rig.find(EventKind::disarmed)->detail.view()));
   CHECK(bench.arm() != 0);  // no stop: nobody asked for one
 }

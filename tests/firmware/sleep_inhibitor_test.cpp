@@ -121,7 +121,7 @@ TEST(SleepInhibitor, SaysOnceThatTheLockIsRefused) {
   CHECK_EQUAL(1, count("begun"));
   LONGS_EQUAL(1, said.size());
   CHECK_EQUAL(
-      "warning: nothing keeps this machine from going to sleep while a shot is under way: systemd-inhibit "
+      "warning: nothing keeps this computer from going to sleep while a shot is under way: systemd-inhibit "
       "ended with "
       "status 1",
       said[0]);

@@ -164,7 +164,7 @@ TEST(Check, FindsEveryItemOfABenchThatIsReady) {
 TEST(Check, NamesWhatIsMissingAndFails) {
   const auto finished = check({});  // no folder for the journal
   LONGS_EQUAL(1, finished.status ? finished.status->code : -1);
-  CHECK(finished.out.find("session          no --session given") != std::string::npos);
+  CHECK(finished.out.find("session          --session is required") != std::string::npos);
   CHECK(finished.out.find("chip.name        ok") != std::string::npos);
 }
 

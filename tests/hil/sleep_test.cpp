@@ -59,7 +59,7 @@ TEST(Sleep, ThatCannotBeInhibitedIsToldAndNothingElse) {
   CHECK(host.arm() != 0);
   CHECK(wait_until(
       [&] {
-        return bench.log().find("warning: nothing keeps this machine from going to sleep") !=
+        return bench.log().find("warning: nothing keeps this computer from going to sleep") !=
                std::string::npos;
       },
       kLongestWait));
@@ -94,14 +94,14 @@ TEST(Suspension, DuringAShotEndsItAndTheSeries) {
   bench.finish();
   const LogContents journal = read_log(bench.journal());
   CHECK(std::ranges::any_of(journal.events, [](const auto& event) {
-    return event.kind == strobe_msgs::event_t::SHOT_ABORTED && has(event.detail, "the machine was suspended");
+    return event.kind == strobe_msgs::event_t::SHOT_ABORTED && has(event.detail, "the rig's computer was suspended");
   }));
   CHECK(journal.shots.size() < 3);
 }
 
 TEST(Suspension, AWallClockSetBackAnHourTouchesNoShot) {
   const std::string said = fire(3, {"--step", "-3600"}, {0, 0});
-  CHECK_TEXT(has(said, "was set by -3600.0 s; times measured are not touched"), said.c_str());
+  CHECK_TEXT(has(said, "was set by -3600.0 s; measured times are not affected"), said.c_str());
   CHECK_TEXT(has(said, "3 of 3 shots counted, 0 fired again"), said.c_str());
 }
 
@@ -111,5 +111,5 @@ TEST(Suspension, IsNotPlayedWhereARigLivesInTheMachinesTime) {
   ReadyRig real(options);
   const auto refused =
       ran({{program("strobe-sim"), "clock", "--chip-dir", real.chip_dir(), "--suspend", "1"}, {}, {}}, 1);
-  CHECK_TEXT(has(refused.err, "--time wall or fast is wanted"), refused.err.c_str());
+  CHECK_TEXT(has(refused.err, "--time wall or --time fast"), refused.err.c_str());
 }

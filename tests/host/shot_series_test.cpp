@@ -85,7 +85,7 @@ TEST(ShotSeriesOfAHost, AStopInAShotEndsItWithThatShotAndIsNoReasonToFireAgain) 
 TEST(ShotSeriesOfAHost, AStopThatOnlyAnEventTellsOfEndsItToo) {
   for (const auto& [kind, detail] : {std::pair{event_t::KEY, ""}, std::pair{event_t::ESTOP, ""},
                                      std::pair{event_t::DISARMED, "disarmed by command of 99 eve@lab2"},
-                                     std::pair{event_t::DISARMED, "the machine was suspended"}}) {
+                                     std::pair{event_t::DISARMED, "the rig's computer was suspended"}}) {
     Play play(series(5, 5));
     play.run(1);
     play.series.on_event(play.firmware.event(static_cast<std::int8_t>(kind), detail));
@@ -119,7 +119,8 @@ TEST(ShotSeriesOfAHost, ResetsAStopFromBeforeAsAPersonHasGivenTheCommand) {
 TEST(ShotSeriesOfAHost, GivesUpWhereTheResetIsRefused) {
   Play play(series(1));
   kStops[2].come(play.firmware.status);
-  play.firmware.refuses_reset = "a stop, or a switch's return, came after it was asked for: ask anew";
+  play.firmware.refuses_reset =
+      "the rig was stopped, or key or e-stop moved, after this command was given: give it again";
   play.ends("refused: RESET: a stop");
 }
 
