@@ -73,7 +73,8 @@ int board_command(const BoardOptions& options) {
     truth << line << '\n';
     options.json ? fmt::print("{}\n", line) : fmt::print("{}/{}\n", options.folder, name);
   }
-  if (!truth.flush() || std::fflush(stdout) != 0) return report_error("not everything could be written", 1);
+  if (!truth.flush()) return report_error(truth_path.string() + ": not everything could be written", 1);
+  if (std::fflush(stdout) != 0) return report_error("standard output: not everything could be written", 1);
   return 0;
 }
 

@@ -44,7 +44,7 @@ Result<LineNumber> parse(const Chip& chip, const std::string& text, int least, i
   LineNumber parsed;
   if (equals == std::string::npos || !whole_number(text.substr(equals + 1), parsed.number) ||
       parsed.number < least || parsed.number > most) {
-    return fail("\"" + text + "\": " + wanted + " is wanted");
+    return fail("\"" + text + "\": must be " + wanted);
   }
   const auto line = find_line(chip, text.substr(0, equals), text);
   if (!line) return tl::unexpected(line.error());
@@ -67,9 +67,9 @@ bool wait_for_rises(Chip& chip, const LineNumber& rises) {
 /// `after` is LINE=N, or empty. Returns the exit status of a command that cannot go on; nullopt: it is time.
 std::optional<int> wait_until(Chip& chip, const std::string& after) {
   if (after.empty()) return std::nullopt;
-  const auto rises = parse(chip, after, 1, 1'000'000, "LINE=1 or more");
-  if (!rises) return report_error(rises.error().message, 2);
-  if (!wait_for_rises(chip, *rises)) return report_error("the rig ended before that", 1);
+  const auto rises = parse(chip, after, 1, 1'000'000, "LINE=N, N from 1 to 1000000");
+  if (!rises) return report_error("--after " + rises.error().message, 2);
+  if (!wait_for_rises(chip, *rises)) return report_error("the rig ended before --after " + after, 1);
   return std::nullopt;
 }
 
@@ -130,7 +130,10 @@ int clock_command(const std::string& chip_dir, const ClockOptions& options, cons
   if (!chip) return report_error(chip.error().message, 2);
   if (const auto ended = wait_until(*chip, after)) return *ended;
   if (chip->set_clocks(from_seconds(options.suspend_s), from_seconds(options.step_s))) return 0;
-  return report_error("the rig lives in the machine's time: strobe-sim run --time wall or fast is wanted", 1);
+  return report_error(
+      "the rig runs by this computer's clock (--time real): start it with strobe-sim run --time wall or "
+      "--time fast",
+      1);
 }
 
 int lines_command(const std::string& chip_dir, bool json) {

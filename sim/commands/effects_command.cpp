@@ -169,7 +169,7 @@ int effects_command(const EffectsOptions& options) {
   study.full_us = cost_us(std::move(*full));
   study.chosen_us = cost_us(*make_shooter(options, *scene, study.choice.model, options.settings()));
   options.json ? print_json(study) : print_text(study);
-  return std::fflush(stdout) == 0 ? 0 : report_error("not everything could be written", 1);
+  return std::fflush(stdout) == 0 ? 0 : report_error("standard output: not everything could be written", 1);
 }
 
 }  // namespace strobe::sim

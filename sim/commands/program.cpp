@@ -58,10 +58,9 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
       "Write a rig file that fits the scene, for strobed --config and strobe fire --rig; a file that "
       "says something else is not overwritten");
   run->add_option("--time", options.pace,
-                  "wall: time waits until the command's programs have done what is due, so that a busy "
-                  "machine makes nothing "
-                  "late; fast: besides, it waits for nothing else; real: the machine's, for judging how "
-                  "prompt they are")
+                  "wall: the computer's clock, but it waits for the programs, so that a busy computer makes "
+                  "nothing late; fast: waits for the programs only, never for the clock; real: the "
+                  "computer's clock, to judge how prompt they are")
       ->transform(CLI::CheckedTransformer(std::map<std::string, gpio::Pace>{
           {"wall", gpio::Pace::wall}, {"fast", gpio::Pace::fast}, {"real", gpio::Pace::machine}}))
       ->default_str("wall");
@@ -72,7 +71,7 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
          "starts, in seconds, and their wall clock as long after 2000-01-01; what they draw is fixed, too")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
   run->add_option("--tolerance", options.tolerance,
-                  "Simulate only what numbers read require to stay within this: 0.5%, 5e-3");
+                  "Leave out effects that change no number read by more than this: 0.5%, 5e-3");
   run->add_flag("--no-digitizer", no_digitizer, "Photographs are not digitized; no LCM is needed");
   run->add_option("command", options.command,
                   "Command and its arguments, after --; may be left out with --write-rig");
@@ -91,7 +90,7 @@ void add_shoot(CLI::App& app, ShootOptions& options, bool& as_json) {
   auto* model = shoot->add_option("--model", options.model, "Effects to simulate")->capture_default_str();
   shoot
       ->add_option("--tolerance", options.tolerance,
-                   "Simulate only what numbers read require to stay within this: 0.5%, 5e-3 (see effects)")
+                   "Leave out effects that change no number read by more than this: 0.5%, 5e-3 (see effects)")
       ->excludes(model);
   add_train(*shoot, options);
   shoot->add_flag("--perfect", options.perfect_digitizer, "Digitize without error, though stating one");

@@ -96,8 +96,9 @@ int shoot_command(const ShootOptions& options) {
     if (truth.is_open()) truth << truth_line(shooter->scene(), result.exposure, shot) << '\n';
     progress.at(shot);
   }
-  written = std::fflush(stdout) == 0 && written;
-  if (!truth.flush() || !written) return report_error("not everything could be written", 1);
+  if (!truth.flush()) return report_error(options.truth_file + ": not everything could be written", 1);
+  if (std::fflush(stdout) != 0 || !written)
+    return report_error("standard output: not everything could be written", 1);
   return 0;
 }
 
@@ -120,7 +121,8 @@ int photograph_command(const PhotographOptions& options) {
     if (options.json) fmt::print("{}\n", *line);
     progress.at(shot);
   }
-  if (!truth.flush() || std::fflush(stdout) != 0) return report_error("not everything could be written", 1);
+  if (!truth.flush()) return report_error(truth_path.string() + ": not everything could be written", 1);
+  if (std::fflush(stdout) != 0) return report_error("standard output: not everything could be written", 1);
   return 0;
 }
 

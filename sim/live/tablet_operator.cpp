@@ -79,7 +79,9 @@ Result<void> TabletOperator::join(const std::string& lcm_url) {
   if (!socket) return tl::unexpected(socket.error());
   socket_.emplace(std::move(*socket));
   lcm_ = std::make_unique<lcm::LCM>(wire::to_text(*url));
-  if (!lcm_->good()) return fail(lcm_url + " (is there a multicast route?)");
+  if (!lcm_->good())
+    return fail("LCM cannot use \"" + lcm_url +
+                "\": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)");
   return {};
 }
 

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <string>
 
 #include "sim/loading/tables.hpp"
@@ -28,8 +30,10 @@ void read_lens(TomlTable& table, CameraSettings& c, const ball::Ball& ball) {
   if (c.distance_m > 0.0 && c.distance_m < nearest_m)
     table.error_at(
         "distance_m",
-        "balls may fly up to the lens: must be at least 6 off_plane_sd_mm and a ball's diameter, " +
-            std::to_string(nearest_m));
+        fmt::format(
+            "must be at least {:.3f} m ({:g} off_plane_sd_mm plus a ball's diameter), as balls may fly "
+            "up to the lens",
+            nearest_m, kLargestNormal));
 }
 
 /// Density of the air to which the default spin decay belongs.

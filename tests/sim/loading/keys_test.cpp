@@ -160,7 +160,7 @@ TEST(SceneKeys, ReadTheLensTheFlashAndTheSpinsDecay) {
 
 TEST(SceneKeys, RefuseALensThatCannotBe) {
   refuses("some.toml:11: camera.distance_m: must be at least 0.1", kSmallest + "[camera]\ndistance_m = 0\n");
-  refuses("some.toml:11: camera.distance_m: balls may fly up to the lens",
+  refuses("some.toml:11: camera.distance_m: must be at least 0.3",
           kSmallest + "[camera]\ndistance_m = 0.3\noff_plane_sd_mm = 50\n");
   refuses("some.toml:11: camera.distortion: must be at least -0.3",
           kSmallest + "[camera]\ndistortion = -0.4\n");

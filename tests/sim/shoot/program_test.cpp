@@ -68,5 +68,5 @@ TEST(ShootProgram, RefusesWhatItDoesNotKnowInOneLine) {
 
 TEST(ShootProgram, SaysThatNotEverythingCouldBeWritten) {
   LONGS_EQUAL(1, shoot({"--scene", "zero_23", "--truth", "/dev/full"}));
-  STRCMP_CONTAINS("not everything could be written", err.c_str());
+  STRCMP_CONTAINS("/dev/full: not everything could be written", err.c_str());
 }
