@@ -106,7 +106,8 @@ Result<void> write_new(const Key& key, const fs::path& path) {
   if (error != 0) return bad(path, std::string("the key cannot be written: ") + std::strerror(error));
   if (!unlinked) return bad(path, "a copy of the key is left in " + own_name + "; remove it");
   if (!sync_folder(path.parent_path()))
-    return bad(path, std::string("the key may not last: its folder: ") + std::strerror(errno));
+    return bad(path, std::string("the key may be lost at a power cut: its folder cannot be synced: ") +
+                         std::strerror(errno));
   return {};
 }
 

@@ -87,7 +87,7 @@ class Walk {
 
 std::optional<Error> toml_bounds_problem(std::string_view text) {
   if (text.size() > kMaxToml_bytes)
-    return Error{"1: more than " + std::to_string(kMaxToml_bytes) + " bytes are no file of ours"};
+    return Error{"1: larger than " + std::to_string(kMaxToml_bytes >> 20) + " MB"};
   return Walk(text).problem();
 }
 

@@ -29,7 +29,7 @@ Result<ContactRow> parse_row(const CsvRow& row, std::string_view source) {
     values[i] = *value;
   }
   if (values[0] < kMinTime || values[0] > kMaxTime)
-    return csv_error(source, row.line, kColumns[0], "must be within -0.5 and 1.5");
+    return csv_error(source, row.line, kColumns[0], "must be from -0.5 to 1.5");
   return ContactRow{values[0], values[1], values[2], values[3]};
 }
 

@@ -53,7 +53,7 @@ Result<Raster> decode(Bytes bytes) {
   if (starts(std::string_view("II*\0", 4)) || starts(std::string_view("MM\0*", 4))) return decode_tiff(bytes);
   if (starts("\x89PNG\r\n\x1a\n")) return decode_png(bytes);
   if (starts("\xFF\xD8\xFF")) return decode_jpeg(bytes);
-  return fail("it is no picture of a kind that is read (TIFF, PNG, JPEG)");
+  return fail("not a TIFF, PNG or JPEG file");
 }
 
 }  // namespace strobe::image

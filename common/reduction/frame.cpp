@@ -29,16 +29,16 @@ bool bad(const std::optional<double>& value, double least, double most) {
 }
 bool bad_sd_px(const std::optional<double>& sd) { return bad(sd, kSmallest, kLargestPx); }
 bool bad_sd_rad(const std::optional<double>& sd) { return bad(sd, kSmallest, kLargestRad); }
-constexpr const char* kPointNeeded = "must be two finite numbers within 1e12";
-constexpr const char* kLengthNeeded = "must be a positive number within 1e-9 and 1e12";
-constexpr const char* kAngleSdNeeded = "must be positive, within 1e-9 and 1e6";
+constexpr const char* kPointNeeded = "must be two numbers from -1e12 to 1e12";
+constexpr const char* kLengthNeeded = "must be from 1e-9 to 1e12";
+constexpr const char* kAngleSdNeeded = "must be from 1e-9 to 1e6";
 
 Complaint invalid_covariance(const std::array<double, 4>& c) {
   constexpr double kMin = kSmallest * kSmallest;
   constexpr double kMax = kLargestPx * kLargestPx;
   const double mean = 0.5 * (c[1] + c[2]);
   if (!within(c[0], kMin, kMax) || !within(c[3], kMin, kMax) || !within(mean, -kMax, kMax)) {
-    return "must be positive definite, variances within 1e-18 and 1e24";
+    return "must be positive definite, variances from 1e-18 to 1e24";
   }
   const double largest = std::sqrt(c[0]) * std::sqrt(c[3]);
   // Closer to one, the correlation is all rounding.
@@ -49,7 +49,7 @@ Complaint invalid_covariance(const std::array<double, 4>& c) {
 }
 
 Complaint invalid_image(const BallImage& image) {
-  if (!within(image.time_s, -kLongest_s, kLongest_s)) return "time_s: must be a finite number within 1e9";
+  if (!within(image.time_s, -kLongest_s, kLongest_s)) return "time_s: must be from -1e9 to 1e9";
   if (!within(image.centre_px)) return std::string("centre_px: ") + kPointNeeded;
   const bool contact = image.leg == Leg::contact;  // a flattened ball may have no diameter
   const bool any = contact && within(image.diameter_px, -kLargestPx, kLargestPx);
@@ -57,7 +57,7 @@ Complaint invalid_image(const BallImage& image) {
     return std::string("diameter_px: ") + kLengthNeeded;
   }
   if (bad(image.equator_rad, -kLargestRad, kLargestRad)) {
-    return "equator_rad: must be a finite number within 1e6";
+    return "equator_rad: must be from -1e6 to 1e6";
   }
   if (bad(image.time_sd_s, 0.0, 1.0)) return "time_sd_s: must not be negative, nor above 1";
   if (bad_sd_px(image.diameter_sd_px)) return std::string("diameter_sd_px: ") + kLengthNeeded;
@@ -75,24 +75,24 @@ Complaint invalid_noise(const Frame& frame) {
   if (bad_sd_rad(frame.equator_sd_rad)) return std::string("equator_sd_rad: ") + kAngleSdNeeded;
   if (bad_sd_px(frame.px_per_m)) return std::string("px_per_m: ") + kLengthNeeded;
   if (bad_sd_px(frame.px_per_m_sd) && *frame.px_per_m_sd != 0.0) {
-    return "px_per_m_sd: must not be negative; 0, or within 1e-9 and 1e12";
+    return "px_per_m_sd: must not be negative; 0, or from 1e-9 to 1e12";
   }
   return std::nullopt;
 }
 
 Complaint invalid_constants(const Frame& frame) {
-  if (!within(frame.ball_diameter_m, 0.01, 1.0)) return "ball_diameter_m: must be within 0.01 and 1";
-  if (bad(frame.ball_diameter_sd_m, 0.0, 1.0)) return "ball_diameter_sd_m: must be within 0 and 1";
-  if (bad(frame.ball_mass_kg, 0.001, 10.0)) return "ball_mass_kg: must be within 0.001 and 10";
+  if (!within(frame.ball_diameter_m, 0.01, 1.0)) return "ball_diameter_m: must be from 0.01 to 1";
+  if (bad(frame.ball_diameter_sd_m, 0.0, 1.0)) return "ball_diameter_sd_m: must be from 0 to 1";
+  if (bad(frame.ball_mass_kg, 0.001, 10.0)) return "ball_mass_kg: must be from 0.001 to 10";
   if (frame.ball_alpha &&
       (!within(*frame.ball_alpha, 0.0, ball::kThinShellAlpha) || *frame.ball_alpha == 0.0)) {
     return "ball_alpha: must be above 0 and at most 2/3";
   }
-  if (bad(frame.ball_alpha_sd, 0.0, ball::kThinShellAlpha)) return "ball_alpha_sd: must be within 0 and 2/3";
-  if (bad(frame.air_density_kgpm3, 0.0, 100.0)) return "air_density_kgpm3: must be within 0 and 100";
-  if (!within(frame.surface_angle_deg, -90.0, 90.0)) return "surface_angle_deg: must be within -90 and 90";
+  if (bad(frame.ball_alpha_sd, 0.0, ball::kThinShellAlpha)) return "ball_alpha_sd: must be from 0 to 2/3";
+  if (bad(frame.air_density_kgpm3, 0.0, 100.0)) return "air_density_kgpm3: must be from 0 to 100";
+  if (!within(frame.surface_angle_deg, -90.0, 90.0)) return "surface_angle_deg: must be from -90 to 90";
   if (bad(frame.temperature_c, kMinTemperature_degC, kMaxTemperature_degC)) {
-    return "temperature_c: must be within -60 and 100";
+    return "temperature_c: must be from -60 to 100";
   }
   return invalid_noise(frame);
 }
@@ -104,7 +104,7 @@ Complaint invalid_map_error(const MapError& error, const Frame& frame) {
     return within(s.centre_px) && within(s.diameter_px, -kLargestPx, kLargestPx) &&
            within(s.equator_rad, -kLargestRad, kLargestRad);
   });
-  if (!images) return "images: must be finite numbers, pixels within 1e12 and angles within 1e6";
+  if (!images) return "images: must be numbers, pixels from -1e12 to 1e12 and angles from -1e6 to 1e6";
   if (!std::ranges::all_of(error.surface_px, [](const PointPx& p) { return within(p); }))
     return std::string("surface_px: ") + kPointNeeded;
   return std::nullopt;

@@ -106,7 +106,7 @@ class FrameReader {
     if (!count || !number || !rest.empty())
       return wrong(l->number, "must be two whole numbers: contact count, frame number");
     if (*count < 1 || *count > kMaxContact)
-      return wrong(l->number, "the contact count must be within 1 and 1000");
+      return wrong(l->number, "the contact count must be from 1 to 1000");
     frame.contact_count = *count;
     frame.frame_number = *number;
   }

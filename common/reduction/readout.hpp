@@ -175,7 +175,7 @@ struct Readout : Numbers {
   std::string method;  ///< "best", "two-point", "legacy"
   bool mirrored = false;
   FlagSet flags;
-  ResidualRatios residual_ratios;  ///< only with method "best"
+  ResidualRatios residual_ratios;           ///< only with method "best"
   std::optional<LikelyCause> likely_cause;  ///< of flags that say that measurements disagree
   Record record;
   std::optional<ImagedFlashes> flashes;    ///< only of a photograph that a host matched with its shot

@@ -249,8 +249,7 @@ void SessionReader::name_shots() {
   if (without_end.empty()) return;
   remark(fmt::format("the end of shot{} {} is in no log", without_end.size() == 1 ? "" : "s",
                      fmt::join(without_end, ", ")));
-  session_.advice.emplace_back(
-      "where strobed kept its journal elsewhere, a copy of it in this folder tells of a shot's end");
+  session_.advice.emplace_back("if strobed kept its journal in another folder, copy it into the session's");
 }
 
 /// Times as the session's results.csv has them.
@@ -271,7 +270,8 @@ Result<StoredSession> read_session(const fs::path& folder, const ReadSessionOpti
   if (!fs::is_directory(folder, error)) return fail(folder.string() + ": no such folder of a session");
   const auto logs = host_logs(folder);
   if (logs.empty() && journals(folder).empty())
-    return fail(folder.string() + ": no log of a host (host-*.lcmlog) and no journal is in it");
+    return fail(folder.string() +
+                ": no log of a host (host-*.lcmlog) and no journal (journal-*.lcmlog) is in it");
   auto rigs = SessionRigs::open(folder, options.rig_path, logs);
   if (!rigs) return tl::unexpected(rigs.error());
   auto session = SessionReader(folder, options, std::move(*rigs)).read();

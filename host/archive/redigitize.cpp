@@ -138,7 +138,8 @@ Result<MeasuredPhotograph> redigitize(const StoredSession& session, const Shot& 
                                       const std::vector<digitize::Correction>& corrections) {
   const std::string which = fmt::format("{}: shot {}", session.folder.string(), shot.name);
   if (!shot.photograph) return fail(which + " has no photograph in the session");
-  if (!shot.summary) return fail(which + ": the firmware ended in it, and its flashes' times are not known");
+  if (!shot.summary)
+    return fail(which + ": strobed ended during the shot, and its flashes' times are not known");
   auto measured =
       measure_photograph(*shot.photograph, *shot.rig,
                          {effort_of(session, shot.host_id), flash_times_s(*shot.summary), corrections});

@@ -21,7 +21,7 @@ Shot logged_outcome(const ShotKey& key, const LoggedShot& fired) {
   if (fired.result) return *fired.result;
   if (!fired.summary)
     return interrupted_shot(key, fired.host_id, fired.dry,
-                            "its end is in no log: the host, or the firmware, ended in it");
+                            "its end is in no log: the host, or strobed, ended during the shot");
   reduction::FlagSet flags;
   flags.set(Flag::no_photograph);
   return unmeasured_shot(*fired.summary, flags, "no photograph in the log");

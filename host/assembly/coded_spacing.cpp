@@ -154,8 +154,8 @@ Result<std::vector<Duration>> coded_intervals(Duration period, std::size_t flash
     return intervals;
   }
   return fail(fmt::format(
-      "intervals would have to differ by {:.0f} us and more for the images to tell its {} flashes apart",
-      to_microseconds(step), flashes));
+      "the period is too short to code {} flashes: intervals would have to differ by {:.0f} us or more",
+      flashes, to_microseconds(step)));
 }
 
 SpacedPlan spaced_plan(const PlanFile& plan, const RigFile& rig, bool digitized) {

@@ -213,8 +213,9 @@ std::optional<std::string> too_poor(const Calibration& found, const cv::Mat& slo
       "(allowed are "
       "{:.2g} %): {}",
       100.0 * found.covered_share, 100.0 * points, 100.0 * tolerance,
-      by_lens ? "the lens is not told; add photographs with the board in the corners, or use a larger board"
-              : "use a board that fills more of the photograph, or has more squares, in the balls' plane");
+      by_lens
+          ? "the lens is not determined; add photographs with the board in the corners, or use a larger board"
+          : "use a board that fills more of the photograph, or has more squares, in the balls' plane");
 }
 
 /// Board metres to plane px: at the photograph's centre x to the right, y up, a pixel a pixel.
@@ -288,9 +289,8 @@ void remark(const CalibrationSettings& settings, Calibration& calibration) {
   if (!calibration.place) {
     remarks.push_back(
         "the photographs do not tell how far away the lens is: balls are taken to show as circles, and an "
-        "error of "
-        "the board's place is not in the scale's sd (add photographs of the slanted board, or state the "
-        "distance)");
+        "error of the board's place is not in the scale's sd (add photographs of the slanted board, or give "
+        "--lens-distance-m)");
   } else if (settings.lens_distance_m) {
     const double found = calibration.place->viewpoint.distance_px / calibration.px_per_m;
     const double sd = settings.lens_distance_sd_m.value_or(0.01 * *settings.lens_distance_m);

@@ -130,15 +130,14 @@ void ClockRelation::on_heartbeat(const DeviceReading& device, HostTime heard) {
   const MonoTime before = heartbeats_.empty() ? heartbeat.sent : heartbeats_.back().sent;
   if (!heartbeats_.empty() && heartbeat.sent <= before) return;  // overtaken on the way, or doubled
   const auto change = device_watch_.on_reading(device);
-  if (change)
-    std::ranges::move(describe(*change, "the firmware's machine"), std::back_inserter(notifications_));
+  if (change) std::ranges::move(describe(*change, "the rig's computer"), std::back_inserter(notifications_));
   const bool slept = change && change->suspended != Duration{};
   if (slept) sleeps_.emplace_back(before, heartbeat.sent);
   if (sleeps_.size() > kMaxKept) sleeps_.erase(sleeps_.begin());
   if (heartbeats_.empty() || slept) return begin(heartbeat);
   if (!broken_by(heartbeat)) return add(heartbeat);
   notifications_.push_back(
-      "the firmware's clock and this machine's do not go together any more; their relation begins anew");
+      "the rig's clock no longer agrees with this computer's; the two are compared anew");
   const std::vector<Heartbeat> kept = std::exchange(late_, {});
   begin(kept.empty() ? heartbeat : kept.front());
   for (std::size_t i = 1; i < kept.size(); ++i) add(kept[i]);
@@ -241,7 +240,7 @@ void DeviceClock::on_heartbeat(std::int64_t boot_id, const DeviceReading& device
 
 void DeviceClock::on_local(const HostReading& local) {
   if (const auto change = local_watch_.on_reading(local))
-    std::ranges::move(describe(*change, "this machine"), std::back_inserter(notifications_));
+    std::ranges::move(describe(*change, "this computer"), std::back_inserter(notifications_));
 }
 
 std::optional<HostTime> DeviceClock::local(std::int64_t boot_id, MonoTime device) const {

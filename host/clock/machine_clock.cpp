@@ -28,7 +28,7 @@ HostReading MachineClock::read() {
 std::vector<std::string> describe(const ClockChange& change, const std::string& whose) {
   std::vector<std::string> lines;
   if (change.stepped != Duration{}) {
-    lines.push_back(fmt::format("the wall clock of {} was set by {:+.1f} s; times measured are not touched",
+    lines.push_back(fmt::format("the wall clock of {} was set by {:+.1f} s; measured times are not affected",
                                 whose, to_seconds(change.stepped)));
   }
   if (change.suspended != Duration{})

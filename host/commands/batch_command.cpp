@@ -45,7 +45,7 @@ Result<Shard> shard_of(const std::string& text) {
   char end = 0;
   if (std::sscanf(text.c_str(), "%d/%d%c", &shard.number, &shard.of, &end) != 2 || shard.number < 1 ||
       shard.of < shard.number || shard.of > 1'000'000)
-    return fail("--shard " + text + ": must be I/N, 1/8 to 8/8");
+    return fail("--shard " + text + ": must be I/N with I from 1 to N, such as 3/8");
   return shard;
 }
 
@@ -277,10 +277,10 @@ void add_batch_command(CLI::App& app, int& exit_status) {
       ->check(CLI::IsMember({"fast", "standard", "thorough"}))
       ->capture_default_str();
   command->add_flag("--frames", options->frames, "only reduce what was digitized; no photograph is measured");
-  command->add_option("--jobs", options->jobs, "photographs at once (default: the machine's cores)")
+  command->add_option("--jobs", options->jobs, "photographs at once (default: this computer's cores)")
       ->check(CLI::Range(1, 4096));
   command->add_option("--shard", options->shard,
-                      "I/N: only this part of the sessions, on one of several machines");
+                      "I/N: only this part of the sessions, on one of several computers");
   command->add_option("--merge", options->merge, "folders of finished parts: make one results.csv of them");
   command->add_flag("--json", options->json, "one JSON object per photograph measured, and one at the end");
   command->footer(

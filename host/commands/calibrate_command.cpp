@@ -181,17 +181,17 @@ void print_json(const CalibrateOptions& options, const Boards& boards, const Cam
 }
 
 void print_text(const Boards& boards, const CameraTable& table, const camera::Calibration& found) {
-  fmt::print("scale          {:.3f} px/m, sd {:.3f} ({:.4f} %: points {:.4f}, print {:.4f}, place {})\n",
+  fmt::print("scale          {:.3f} px/m, sd {:.3f} px/m ({:.4f} %: points {:.4f}, print {:.4f}, place {})\n",
              *table.px_per_m, found.px_per_m_sd(), 100.0 * found.scale_errors.total(),
              100.0 * found.scale_errors.points, 100.0 * found.scale_errors.print,
              found.scale_errors.off_plane ? fmt::format("{:.4f}", 100.0 * *found.scale_errors.off_plane)
                                           : "unknown");
   fmt::print("residuals      {:.3f} px rms over {} points, {} left out\n", found.fit.rms_px, found.fit.points,
              found.fit.outliers);
-  fmt::print("lens           moves the corners by up to {:.2f} px ({} of 4 terms told by the board)\n",
+  fmt::print("lens           moves the corners by up to {:.2f} px ({} of 4 terms determined by the board)\n",
              found.largest_shift_px, found.fit.lens_terms);
   if (found.place) {
-    fmt::print("lens' place    {:.3f} m from the plane, sd {:.3f}; tilt {:.2f} degrees\n",
+    fmt::print("lens' place    {:.3f} m from the plane, sd {:.3f} m; tilt {:.2f} degrees\n",
                found.place->viewpoint.distance_px / found.px_per_m,
                found.place->distance_sd_px / found.px_per_m, *table.tilt_deg);
   }
@@ -214,7 +214,7 @@ Result<std::filesystem::path> calibration_path(const std::string& rig_path) {
 
 int run_calibrate(const CalibrateOptions& options) {
   if (!options.date.empty() && !days_since(options.date, {})) {
-    return bad_input("calibrate: --date: must be written 2026-11-21");
+    return bad_input("calibrate: --date: must be a date, such as 2026-11-21");
   }
   std::filesystem::path path;
   if (!options.rig_path.empty()) {
@@ -311,7 +311,7 @@ void add_calibrate_command(CLI::App& app, int& exit_status) {
                    "Refuse a calibration whose scale is more uncertain than this, rms over the photograph")
       ->check(CLI::Range(1e-6, 100.0))
       ->capture_default_str();
-  command->add_option("--date", options->date, "Day of the photographs, 2026-11-21; default: today");
+  command->add_option("--date", options->date, "Day of the photographs, such as 2026-11-21; default: today");
   command->add_flag("--dry", options->dry, "Write no file");
   command->add_flag("--json", options->json, "One JSON object");
   command_line::for_experts(

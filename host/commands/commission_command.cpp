@@ -47,7 +47,7 @@ Result<CommissionRequest> request_of(const CommissionOptions& options) {
   for (const std::string& text : options.skip) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals + 1 == text.size())
-      return fail("--skip: wants STEP=REASON, as shutter=\"no contact\", not " + text);
+      return fail("--skip: must be STEP=REASON, such as shutter=\"no contact\", not " + text);
     if (auto known = check_step("--skip", text.substr(0, equals)); !known)
       return tl::unexpected(known.error());
     request.skip[text.substr(0, equals)] = text.substr(equals + 1);

@@ -88,7 +88,7 @@ int print_table(const ExportOptions& options, const std::vector<fs::path>& logs,
     });
   });
   if (status != kBadInput && first)
-    return bad_input("--table " + options.table + ": no such table, or without rows");
+    return bad_input("export: --table " + options.table + ": no such table, or it has no rows");
   return status;
 }
 

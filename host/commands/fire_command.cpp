@@ -114,7 +114,9 @@ Result<void> set_plan(const FireOptions& options, FireRequest& request) {
     request.plan_text = *text;
   }
   if (!options.spacing.empty()) {
-    if (plan.coded()) return fail("--spacing: the plan has a code of its own");
+    if (plan.coded())
+      return fail(
+          "--spacing: must not be given: the plan has its own code (intervals_us, omit, only_a, only_b)");
     plan.spacing = options.spacing == "coded" ? Spacing::coded : Spacing::even;
   }
   // Who asks for the code by name measures the photographs with the digitizer, be it later.
@@ -221,7 +223,7 @@ void add_fire_command(CLI::App& app, int& exit_status) {
           ->check(CLI::Range(1, 100000));
   command
       ->add_option("--until", options->until,
-                   "fire until the session holds so many shots that count, those of earlier runs included")
+                   "fire until the session holds this many shots that count, those of earlier runs included")
       ->check(CLI::Range(1, 100000))
       ->excludes(shots);
   CLI::Option* const resume =

@@ -52,13 +52,13 @@ ReboundModel model_of(const std::string& text) {
   return ReboundModel::grip_offset;
 }
 
-/// "mu, ex, d, u0 or alpha"
+/// "mu, ex, d, u0 and alpha"
 std::string parameter_names(ReboundModel model) {
   std::vector<std::string_view> names;
   for (std::size_t i = 0; i < kParameterCount; ++i)
     if (impact::has_parameter(model, static_cast<Parameter>(i)))
       names.push_back(impact::name(static_cast<Parameter>(i)));
-  return fmt::format("{} or {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
+  return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
 }
 
 Result<Parameter> parameter_of(const std::string& text, ReboundModel model) {
@@ -66,7 +66,7 @@ Result<Parameter> parameter_of(const std::string& text, ReboundModel model) {
     const auto p = static_cast<Parameter>(i);
     if (text == impact::name(p)) return p;
   }
-  return fail("fit: no parameter \"" + text + "\": " + parameter_names(model));
+  return fail("fit: --free, --fix: no parameter \"" + text + "\"; there are " + parameter_names(model));
 }
 
 /// "name=value" with d in mm and dwell in ms.
@@ -112,7 +112,8 @@ Result<impact::FitOptions> options_of(const Arguments& a) {
     const auto fixed = fixed_value(text, out.model);
     if (!fixed) return tl::unexpected(fixed.error());
     const std::size_t i = impact::index(fixed->first);
-    if (asked[i]) return fail("fit: " + std::string(impact::name(fixed->first)) + " is both free and fixed");
+    if (asked[i])
+      return fail("fit: " + std::string(impact::name(fixed->first)) + " is in both --free and --fix");
     if (!impact::has_parameter(out.model, fixed->first))
       return fail("fit: " + std::string(impact::name(fixed->first)) +
                   ": the model does not have this parameter");
@@ -293,7 +294,7 @@ void add_ode_options(CLI::App& command, Arguments& a) {
       command
           .add_option(
               "--gravity-mps2", a.gravity_mps2,
-              "ode: the weight's part towards the surface in contact, 9.81 times the cosine of a plate's "
+              "ode: component of gravity towards the surface, m/s^2: 9.81 times the cosine of the plate's "
               "inclination; 0 leaves it out")
           ->check(CLI::Range(0.0, 100.0))
           ->capture_default_str());

@@ -121,7 +121,7 @@ void print_posterior(const FitReport& r) {
     write_out(fmt::format("; ends of intervals within {:.1f} sd of Laplace's{}", q.laplace_shift,
                           q.reliable ? "" : "; too few draws for reliable intervals: more --draws"));
   write_out("\nprior, 95 %:" + priors_text(q) + "\n");
-  for (const std::string& line : left_open(r.fit)) write_out("not told: " + line + "\n");
+  for (const std::string& line : left_open(r.fit)) write_out("not determined: " + line + "\n");
 }
 
 std::string statistics_text(const impact::ResidualStatistics& a) {

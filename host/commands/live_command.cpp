@@ -171,7 +171,7 @@ void add_live_command(CLI::App& app, int& exit_status) {
   CLI::App* command =
       app.add_subcommand("live", "Watch a session: each shot's readout, the series, the firmware");
   command->add_option("--rig", options->rig_path, "rig file (default: the example that comes with strobe)");
-  command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this machine only)")
+  command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this computer only)")
       ->check(wire::lcm_url_problem);
   command->add_option(
       "--key-file", options->key_file,

@@ -241,7 +241,7 @@ void print_table(const PredictOptions& o, const Prediction& p) {
   std::printf("model %s: e %g, mu %g, alpha %.4g, diameter %g m", o.model.c_str(), o.e, mu_of(o), alpha_of(o),
               o.diameter_m);
   if (o.model == "grip") std::printf(", ex %g, offset %g mm", o.e_x, o.offset_mm);
-  std::printf("\n             vx m/s    vy m/s     v m/s     angle  omega rad/s\n");
+  std::printf("\n             vx m/s    vy m/s     v m/s angle deg  omega rad/s\n");
   const auto line = [](const char* when, const impact::Motion& m) {
     std::printf("%-10s %8.3f  %8.3f  %8.3f  %8.2f  %11.2f\n", when, m.vx_mps, m.vy_mps,
                 std::hypot(m.vx_mps, m.vy_mps), degrees(std::atan2(m.vy_mps, m.vx_mps)), m.omega_radps);

@@ -235,10 +235,10 @@ class Reducer {
 
 int run_reduce(const ReduceOptions& options) {
   if (options.flight != "auto" && options.estimator != "best")
-    return bad_input("reduce: --flight is for the best estimator");
-  if (options.budget && options.format == "legacy") return bad_input("reduce: --budget is for frames");
+    return bad_input("reduce: --flight needs --estimator best");
+  if (options.budget && options.format == "legacy") return bad_input("reduce: --budget needs --format frame");
   if (options.noise != "stated" && options.estimator != "best")
-    return bad_input("reduce: --noise is for the best estimator");
+    return bad_input("reduce: --noise residuals needs --estimator best");
   for (const std::string& file : options.files) {
     std::error_code error;
     if (file == "-") continue;

@@ -159,7 +159,7 @@ void add_replay_command(CLI::App& app, int& exit_status) {
       ->type_name("[FILE]");
   command->add_flag(
       "--complete", options->complete,
-      "of a folder: digitize the photographs that its host did not come to, and keep that in it");
+      "of a folder: digitize the photographs that were never digitized, and keep the results in it");
   command->add_option(
       "--rig", options->reading.rig_path,
       "rig file (default: those that the session keeps, or rig.toml beside the log, else the example "

@@ -16,7 +16,7 @@
 namespace strobe::host {
 
 void add_link_options(CLI::App& command, RigOptions& options) {
-  command.add_option("--lcm-url", options.url, "LCM URL (default: the rig file's, else this machine only)")
+  command.add_option("--lcm-url", options.url, "LCM URL (default: the rig file's, else this computer only)")
       ->check(wire::lcm_url_problem);
   command.add_option("--key-file", options.key_file,
                      "the lab's key (default: the rig file's, $STROBE_KEY_FILE, ~/.config/strobe/lab.key)");

@@ -162,9 +162,9 @@ std::vector<std::string> budget_lines_of(const Shot& shot, bool json) {
 
 int run_shot(const ShotOptions& options) {
   if (options.noise != "stated" && options.estimator != "best")
-    return bad_input("shot: --noise is for the best estimator");
+    return bad_input("shot: --noise residuals needs --estimator best");
   if (options.budget && options.reduces())
-    return bad_input("shot: --budget is for the best estimator and stated noise");
+    return bad_input("shot: --budget needs --estimator best and --noise stated");
   Terminal terminal(Terminal::style(options.json, true));
   const auto session = read_for(terminal, options.session, options.reading);
   if (!session) return bad_input(session.error().message);

@@ -248,7 +248,7 @@ StepResult judge_flashes(std::span<const BallShot> shots) {
                                                : "of one photograph: " + first_rejection(shots));
   else if (uncoded < found && worst > 0.01)
     mark_failed(result, "code_ambiguous",
-                "the code of the train is not told by the images: longer exposure or more flashes");
+                "the images do not determine the code of the train: longer exposure or more flashes");
   return result;
 }
 
@@ -277,8 +277,9 @@ StepResult judge_noise(std::span<const BallShot> shots) {
   const double sd = ratio / std::sqrt(2.0 * freedom);
   StepResult result = passed(ratio, sd, "", fmt::format("at most {:.2f}", kMaxRatio));
   result.words = fmt::format(
-      "centres lie {:.2f} times as far off their flights as they state; {:.0f} degrees of freedom", ratio,
-      freedom);
+      "centres scatter about their flights {:.2f} times as much as their stated sd; {:.0f} degrees of "
+      "freedom",
+      ratio, freedom);
   result.figures = {{"residual_ratio", ratio, sd, 1.0, static_cast<int>(freedom)},
                     {"equator_ratio", equators.mean(), {}, 1.0, equators.count()}};
   hold(

@@ -134,8 +134,9 @@ void Commissioning::answer(Answer given) {
   loop_.person_acted();
   switch (kind) {
     case Prompt::Kind::begin:
-      return given == Answer::yes ? begin()
-                                  : leave_out("left out by who stood at the console", "", StepState::skipped);
+      return given == Answer::yes
+                 ? begin()
+                 : leave_out("left out by the person at the console", "", StepState::skipped);
     case Prompt::Kind::question:
       work_[current_].step->on_answer(given == Answer::yes);
       phase_ = Phase::running;

@@ -338,10 +338,10 @@ StepResult judge_gravity(const FreeFall& fall, double local_mps2, double scale_s
 StepResult judge_inclination(const FreeFall& fall, double stated_deg) {
   const double found = fall.inclination_rad * kDegrees, sd = fall.inclination_sd_rad * kDegrees;
   StepResult result =
-      passed(found, sd, "deg", fmt::format("{:.2f} deg within {:.2f}", stated_deg, kInclination_deg));
+      passed(found, sd, "deg", fmt::format("{:.2f} deg within {:.2f} deg", stated_deg, kInclination_deg));
   result.words =
-      fmt::format("balls fall at {:.2f} ± {:.2f} deg to the plate's normal, the rig file says {:.2f}", found,
-                  sd, stated_deg);
+      fmt::format("balls fall at {:.2f} ± {:.2f} deg to the plate's normal, the rig file says {:.2f} deg",
+                  found, sd, stated_deg);
   result.figures = {{"inclination_deg", found, sd, stated_deg, fall.images}};
   hold(result, interval(found, sd), within(kInclination_deg, stated_deg), "plate_inclined",
        "measure the plate with an inclinometer, and enter surface_angle_deg in [analysis]");

@@ -55,7 +55,7 @@ class FirmwareStep final : public Step {
 std::string FirmwareStep::briefing(const host::RigFile& rig) const {
   return fmt::format(
       "Listens to the firmware of rig {} for two seconds. Nothing moves. (`strobed --check`, on the rig's "
-      "machine, tries chip, lines and real time before.)",
+      "computer, tries chip, lines and real time before.)",
       rig.rig);
 }
 

@@ -101,7 +101,7 @@ class LightStep final : public ShotStep {
  public:
   LightStep()
       : ShotStep(
-            {{"light", "the lamps' light on the picture", {"lamps", "camera"}},
+            {{"light", "the lamps' light on the photograph", {"lamps", "camera"}},
              {"exposure_window", "the shutter open from first to last flash", {"shutter", "camera", "plan"}}},
             {.outputs = true, .photographs = true}, {.missing = 1}) {}
   std::string briefing(const host::RigFile&) const override {
@@ -182,7 +182,7 @@ StepResult judge_light(const LampLight& light, const host::CommissionTable& limi
   const char letter = a_is_dim ? 'A' : 'B';
   StepResult result =
       passed(light.a > 0.0 && light.b > 0.0 ? light.a / light.b : 0.0, {}, "",
-             fmt::format("A over B within {:.2f} to {:.2f}, their light adds up to {:.0f} %",
+             fmt::format("A over B from {:.2f} to {:.2f}, both together within {:.0f} % of their sum",
                          1.0 / limits.brightness_ratio, limits.brightness_ratio, 100.0 * kMaxExcess));
   result.figures = {{"light_a", light.a, {}, {}, 0},
                     {"light_b", light.b, {}, {}, 0},
@@ -190,13 +190,14 @@ StepResult judge_light(const LampLight& light, const host::CommissionTable& limi
                     {"excess", light.excess, {}, 0.0, 0},
                     {"lit_share", light.lit_share, {}, {}, 0}};
   result.words = fmt::format(
-      "lamp A lights the picture {:.2f} times as brightly as lamp B; both together {:+.1f} % against the sum",
+      "lamp A lights the photograph {:.2f} times as brightly as lamp B; both together {:+.1f} % against the "
+      "sum",
       *result.value, 100.0 * light.excess);
   if (bright <= 0.0) {
-    result.words = "neither lamp lights the picture";
+    result.words = "neither lamp lights the photograph";
     mark_failed(result, "no_light", "is the lens uncovered, and is the shutter open while the lamps flash?");
   } else if (dim < kNoLight * bright) {
-    result.words = fmt::format("lamp {} gives no light on the picture", letter);
+    result.words = fmt::format("lamp {} gives no light on the photograph", letter);
     mark_failed(
         result, a_is_dim ? "lamp_a_unlit" : "lamp_b_unlit",
         fmt::format(
@@ -208,7 +209,8 @@ StepResult judge_light(const LampLight& light, const host::CommissionTable& limi
          fmt::format("clean lamp {}, bring it nearer or turn it; look at its discharge energy", letter),
          kAgain);
     hold(result, interval(light.excess, kExcessSd), within(kMaxExcess), "light_does_not_add_up",
-         "numbers are not proportional to light (bench, section 4), or lamps that flash together weaken each "
+         "numbers are not proportional to light (firmware/BENCH.md, section 4), or lamps that flash together "
+         "weaken each "
          "other",
          kAgain);
   }
@@ -223,7 +225,7 @@ StepResult judge_exposure_window(const LampLight& light) {
   result.figures = {{"early_percent", 100.0 * light.early, {}, 100.0, 0},
                     {"late_percent", 100.0 * light.late, {}, 100.0, 0}};
   result.words =
-      fmt::format("the picture has {:.0f} % of the first flashes' light and {:.0f} % of the last ones'",
+      fmt::format("the photograph has {:.0f} % of the first flashes' light and {:.0f} % of the last ones'",
                   100.0 * light.early, 100.0 * light.late);
   hold(result, interval(light.early, kEndsSd), {.least = kMinEdgeLight}, "shutter_opens_late",
        "the shutter opens after the first flashes: measure its lag, and enter lag_ms in [shutter]", kAgain);

@@ -170,7 +170,8 @@ StepResult judge_transfer(std::span<const PictureQuality> pictures) {
   result.words = fmt::format("the file's numbers are light to the power of {:.2f} ± {:.2f}, by {} overlaps",
                              pooled.exponent, pooled.sd, crossings);
   hold(result, interval(pooled.exponent, pooled.sd), within(kExponentTolerance, 1.0), "not_proportional",
-       "convert RAW files with a linear curve (bench, section 4); until then the digitizer undoes the curve");
+       "convert RAW files with a linear curve (firmware/BENCH.md, section 4); until then the digitizer "
+       "undoes the curve");
   return result;
 }
 

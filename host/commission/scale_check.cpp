@@ -102,8 +102,8 @@ StepResult judge_scale(const ScaleCheck& check, double diameter_share_sd, double
                   100.0 * off, 100.0 * sd, check.images, check.shots);
   result.figures = {{"size_off_percent", 100.0 * off, 100.0 * sd, 0.0, check.images}};
   hold(result, interval(off, sd), within(kMatters), "scale_off",
-       "measure the ball's diameter again, and calibrate with the board in the plane where balls fly; where "
-       "step gravity passes, it is the ball or the plane",
+       "measure the ball's diameter again, and calibrate with the board in the plane where balls fly; if "
+       "step gravity has passed, the ball's diameter or the board's place is wrong",
        diameter_share_sd > std::max(check.ratio_sd, scale_share_sd)
            ? "measure the ball's diameter in ten places with callipers, and enter diameter_sd_m in [ball]"
            : kMoreShots);

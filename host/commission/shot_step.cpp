@@ -48,7 +48,7 @@ std::string why_unsound(const host::Shot& fired) {
   if (shot.aborted) return "the shot was aborted: " + shot.abort_reason;
   if (shot.queue_overflows > 0 || shot.kernel_overflows > 0) return "edges were lost in the shot";
   if (fired.readout.flags.has(reduction::Flag::events_missing)) return "events of the shot did not come";
-  if (issued_late(shot)) return "the rig's machine issued a flash late";
+  if (issued_late(shot)) return "the rig's computer issued a flash late";
   return "";
 }
 
@@ -106,7 +106,7 @@ Request ShotStep::step(const Situation& situation) {
   if (!problem_.empty()) return Done{nothing_judged(no_shot(problem_), "the shots were not fired")};
   for (const auto& [shot, photograph] : measuring_)
     if (photograph.wait_for(std::chrono::seconds{0}) != std::future_status::ready)
-      return Wait{"the photographs are measured"};
+      return Wait{"the photographs are being measured"};
   for (const auto& [shot, photograph] : measuring_) shots_[shot].measured = photograph.get();
   measuring_.clear();
   return Done{judge(shots_, situation.rig)};

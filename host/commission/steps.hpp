@@ -23,7 +23,7 @@ std::unique_ptr<Step> lamp_step(Lamps lamp);  ///< a or b
 std::unique_ptr<Step> lamps_together_step();
 std::unique_ptr<Step> shutter_step();
 
-/// The lamps' light on the picture: five dry shots with photographs.
+/// The lamps' light on the photograph: five dry shots with photographs.
 std::unique_ptr<Step> light_step();
 /// The calibration against a printed board: photographs that a person puts into a folder, looked at as they
 /// come, on threads of their own. Nothing moves.

@@ -148,7 +148,8 @@ StepResult judge_timing(const Names& names, const Tally& tally, const host::Comm
         "the lamp's trigger input or its one-shot delays some pulses: look at it with an oscilloscope");
   StepResult result = passed({}, {}, "", "");
   result.words = fmt::format(
-      "lamp {} flashes {:.2f} ± {:.2f} us after its pulse (rig file: {:.1f}); jitter {:.2f} us; {} flashes, "
+      "lamp {} flashes {:.2f} ± {:.2f} us after its pulse (rig file: {:.1f} us); jitter {:.2f} us; {} "
+      "flashes, "
       "each seen once",
       names.own, delays.mean_us, delays.sd_us(), names.expected_us, delays.jitter_us, tally.planned);
   hold(result, delays.of_jitter_us, {.most = limits.jitter_limit_us}, "jitter",
@@ -342,7 +343,8 @@ StepResult judge_shutter(std::span<const shot_t> shots, const host::RigFile& rig
   StepResult result = passed(opening_ms.mean(), opening_ms.mean_sd(), "ms",
                              fmt::format("{:.1f} ± {:.1f} ms", expected_ms, tolerance_ms));
   result.words = fmt::format(
-      "the shutter opens {:.2f} ± {:.2f} ms and closes {:.2f} ± {:.2f} ms after its line (rig file: {:.1f})",
+      "the shutter opens {:.2f} ± {:.2f} ms and closes {:.2f} ± {:.2f} ms after its line (rig file: {:.1f} "
+      "ms)",
       opening_ms.mean(), opening_ms.mean_sd(), closing_ms.mean(), closing_ms.mean_sd(), expected_ms);
   for (const Sample& lag_ms : {opening_ms, closing_ms}) hold_lag(result, lag_ms, expected_ms, tolerance_ms);
   result.figures = {

@@ -100,10 +100,10 @@ StepResult TriggerStep::judge(const Situation& situation) const {
     result = failed("trigger_line", fmt::format("the trigger's line rose {} times in the shot", pulses),
                     "run `strobed --check`, and look at the session's journal");
   } else if (std::abs(width_ms - wanted_ms) > kPulseTolerance_ms) {
-    result = failed(
-        "trigger_pulse",
-        fmt::format("the trigger's pulse was {:.1f} ms long, the rig file says {:.1f}", width_ms, wanted_ms),
-        "the machine that strobed runs on is too busy: see `strobed --check`");
+    result = failed("trigger_pulse",
+                    fmt::format("the trigger's pulse was {:.1f} ms long, the rig file says {:.1f} ms",
+                                width_ms, wanted_ms),
+                    "the rig's computer is too busy: see `strobed --check`");
   } else if (heard_ == false) {
     result = failed("no_click", "the line was pulsed once, and the machine did not click once",
                     "look at the e-stop's and the key's contacts in the machine's trigger circuit, the "

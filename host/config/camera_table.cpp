@@ -126,7 +126,7 @@ void read_viewpoint(TomlTable& table, CameraTable& camera) {
   camera.viewpoint_px = optional_array<3>(table, "viewpoint_px", kPlace);
   camera.viewpoint_sd_px = table.optional_number("viewpoint_sd_px", {0.0, 1e9});
   if (camera.viewpoint_px && !((*camera.viewpoint_px)[2] >= 1.0)) {
-    table.error_at("viewpoint_px", "must end with a distance of at least 1");
+    table.error_at("viewpoint_px", "its third number, the distance, must be at least 1 px");
   }
 }
 
@@ -142,7 +142,7 @@ void read_calibration(TomlTable& table, CameraTable& camera) {
   read_surface(table, camera);
   camera.calibrated = optional_text(table, "calibrated");
   if (camera.calibrated && !parse_date(*camera.calibrated)) {
-    table.error_at("calibrated", "must be a date written \"2026-11-21\"");
+    table.error_at("calibrated", "must be a date, such as 2026-11-21");
   }
   camera.board = optional_text(table, "board");
   camera.photographs = optional_count(table, "photographs", {1, 1000});

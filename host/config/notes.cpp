@@ -63,7 +63,7 @@ namespace {
 std::optional<std::string> text_problem(const std::string& text, bool is_day) {
   if (note_problem("text", text)) return "must be plain UTF-8 text of at most 1024 bytes on one line";
   if (is_day && !text.empty() && !days_since(text, WallTime{}))
-    return "must be a day as 2026-11-21, not \"" + text + "\"";
+    return "must be a date, such as 2026-11-21, not \"" + text + "\"";
   return std::nullopt;
 }
 

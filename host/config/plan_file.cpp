@@ -77,12 +77,12 @@ void check_names(config::TomlTable& table, const PlanFile& plan, std::size_t fla
 void read_code(config::TomlTable& table, PlanFile& plan) {
   if (table.has("period_us") || table.has("spacing")) plan.intervals.clear();
   if (table.has("intervals_us")) {
-    if (table.has("period_us")) table.error_at("intervals_us", "instead of period_us, not beside it");
+    if (table.has("period_us")) table.error_at("intervals_us", "must not be given together with period_us");
     plan.intervals.clear();
     for (const double us : table.numbers_or("intervals_us", {}, kPeriod_us))
       plan.intervals.push_back(to_duration<Microseconds>(us));
     if (plan.intervals.size() > kMaxCodedFlashes)
-      table.error_at("intervals_us", fmt::format("more than {}", kMaxCodedFlashes));
+      table.error_at("intervals_us", fmt::format("must have at most {} intervals", kMaxCodedFlashes));
   }
   if (!plan.intervals.empty())
     plan.even.period = *std::min_element(plan.intervals.begin(), plan.intervals.end());
@@ -96,7 +96,7 @@ void read_spacing(config::TomlTable& table, PlanFile& plan) {
   const bool even = plan.spacing == Spacing::even || table.has("period_us");
   const bool coded = table.choice_or("spacing", even ? "even" : "coded", {"even", "coded"}) == "coded";
   if (table.has("spacing") && (table.has("intervals_us") || (coded && plan.coded())))
-    table.error_at("spacing", "not beside a code of the plan's own (intervals_us, omit, only_a, only_b)");
+    table.error_at("spacing", "must not be given together with intervals_us, omit, only_a or only_b");
   plan.spacing = coded && !plan.coded() ? Spacing::coded : Spacing::even;
 }
 

@@ -25,7 +25,7 @@ using reduction::Leg;
 std::optional<std::string> invalid_setting(const DigitizeSettings& s) {
   const auto positive = [](double v) { return std::isfinite(v) && v > 0.0; };
   if (!(s.ball_diameter_m >= 0.01 && s.ball_diameter_m <= 1.0))
-    return "ball_diameter_m: must be within 0.01 and 1";
+    return "ball_diameter_m: must be from 0.01 to 1";
   if (s.px_per_m && !positive(*s.px_per_m)) return "px_per_m: must be positive";
   if (s.px_per_m_sd && !(std::isfinite(*s.px_per_m_sd) && *s.px_per_m_sd >= 0.0))
     return "px_per_m_sd: must not be negative";
@@ -106,10 +106,12 @@ class Digitizer {
     size_max_px_ = decision.most_px;
     if (!decision.diameter_px)
       result_.remarks.push_back(
-          "no ball's outline is whole enough to tell its size: the scale must be given");
+          "no ball's outline is whole enough to tell its size: give the scale (--px-per-m, or "
+          "camera.px_per_m in "
+          "the rig file)");
     if (decision.contradicted_by_px)
       result_.remarks.push_back(fmt::format(
-          "the picture's balls are about {:.0f} px wide, {:.0f} px/m for a ball of {} m, but {:.0f} px "
+          "the photograph's balls are about {:.0f} px wide, {:.0f} px/m for a ball of {} m, but {:.0f} px "
           "is given ({:.0f} px/m): nothing was measured",
           *decision.contradicted_by_px, *decision.contradicted_by_px / settings_.ball_diameter_m,
           settings_.ball_diameter_m, *expected.diameter_px, *settings_.px_per_m));
@@ -310,7 +312,7 @@ Digitization digitize_light(const Photograph& photograph, const DigitizeSettings
 
 Result<Digitization> digitize(const Photograph& photograph, const DigitizeSettings& settings) {
   if (const auto problem = invalid_setting(settings)) return fail(*problem);
-  if (photograph.intensity.empty()) return fail(photograph.name + ": no picture");
+  if (photograph.intensity.empty()) return fail(photograph.name + ": it has no pixels");
   try {
     auto digitization = digitize_light(photograph, settings);
     if (photograph.orientation != 1)

@@ -167,7 +167,8 @@ Result<std::vector<fs::path>> logs_of(const fs::path& log_or_session) {
   if (!error && logs.empty()) logs = journals(log_or_session, error);
   if (error) return fail(log_or_session.string() + ": " + error.message());
   if (logs.empty())
-    return fail(log_or_session.string() + ": no log of a session: host-*.lcmlog or journal-*.lcmlog");
+    return fail(log_or_session.string() +
+                ": no log of a host (host-*.lcmlog) and no journal (journal-*.lcmlog) is in it");
   return logs;
 }
 

@@ -177,7 +177,7 @@ void HostLoop::ask_who_hears() {
   for (const EventRange& range : session_.boots().due(now_)) send(commands_.resend(range.boot_id, range));
   const std::string problem = unanswered();
   if (problem.empty() == told_unanswered_.empty()) return;
-  notify(problem.empty() ? "the rig answers again, or is not heard any more" : problem);
+  notify(problem.empty() ? "no longer so: the rig answers again, or is not heard any more" : problem);
   told_unanswered_ = problem;
 }
 
@@ -196,7 +196,8 @@ std::int64_t HostLoop::acted_boot_time_ns(std::int64_t boot_id) const {
 }
 
 void HostLoop::disarm(const std::string& by) {
-  if (!sealer_) return notify("cannot be disarmed, as " + by + " asks, without the lab's key");
+  if (!sealer_)
+    return notify("cannot DISARM (asked for by " + by + "): this host does not have the lab's key");
   notify("DISARM asked for by " + by);
   disarm_.begin(now_);
   repeat_disarm();

@@ -93,7 +93,7 @@ void SeriesRunner::end_after_shot(const std::string& why) {
 void SeriesRunner::send_commands() {
   for (const auto& command : series_.take_commands()) loop_.send(command);
   for (const std::string& text : series_.take_notifications()) loop_.notify(text);
-  if (series_.take_disarm()) loop_.disarm("the series' end");
+  if (series_.take_disarm()) loop_.disarm("this run, as its series has ended");
 }
 
 Duration SeriesRunner::recovering_for() const {
@@ -168,7 +168,7 @@ void StoredSeries::close() {
 
 void StoredSeries::abandon() noexcept {
   try {
-    runner_.stop("the end by an error");
+    runner_.stop("this run, as it ended with an error");
   } catch (const std::exception&) {  // its arming expires by itself
   }
   try {

@@ -30,8 +30,8 @@ Result<std::unique_ptr<LcmLink>> LcmLink::open(const std::string& url, const std
   if (!socket) return tl::unexpected(socket.error());
   std::unique_ptr<LcmLink> link(new LcmLink(*read, std::move(*socket), rig));
   if (!link->lcm_.good()) {
-    return fail("LCM cannot be opened on " + url +
-                " (is there a route for multicast? ip route add 224.0.0.0/4 dev lo)");
+    return fail("LCM cannot use \"" + url +
+                "\": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)");
   }
   return link;
 }

@@ -74,7 +74,7 @@ bool CameraFolder::wanted(const std::string& name) {
   if (std::any_of(kUnfinished.begin(), kUnfinished.end(), ends)) return false;
   if (std::any_of(kKinds.begin(), kKinds.end(), ends)) return true;
   if (said_kinds_.insert(fs::path(lower).extension().string()).second) {
-    notifications_.push_back(name + ": not a kind of photograph that can be read (TIFF, PNG, JPEG)");
+    notifications_.push_back(name + ": not a TIFF, PNG or JPEG file");
   }
   return false;
 }

@@ -90,7 +90,7 @@ constexpr std::array kAbortAdvice = std::to_array<AbortAdvice>({
     {"guardian",
      "Look at strobed's log for why its guardian failed, start it again, and go on with strobe fire "
      "--resume."},
-    {" in it",  // "the firmware died in it", "the host, or the firmware, ended in it"
+    {"ended during the shot",
      "strobed, the host or their computer ended within the shot: look at power and logs, start them again, "
      "and go on with strobe fire --resume."},
 });

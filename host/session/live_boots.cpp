@@ -149,7 +149,7 @@ std::string LiveBoots::problem(HostTime now) const {
                         : fmt::format("{} rigs may have the name {}: {}; they are being asked", rigs.size(),
                                       name_, all);
   }
-  if (began_ && now - *began_ < kListen) return "listening whether another rig has the name " + name_;
+  if (began_ && now - *began_ < kListen) return "listening for another rig with the name " + name_;
   return "";
 }
 

@@ -1,6 +1,7 @@
 #include "host/session/record_file.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <algorithm>
@@ -55,7 +56,8 @@ RecordFile::~RecordFile() {
 Result<void> RecordFile::append(std::string record, std::string_view kind) {
   if (waiting_bytes_ + record.size() > kMaxWaiting_bytes) {
     ++lost_[std::string(kind)];
-    return fail(path_.string() + ": more waits to be written than memory is kept for");
+    return fail(path_.string() +
+                fmt::format(": {} MB wait for the disk, and no more are kept", kMaxWaiting_bytes >> 20));
   }
   waiting_bytes_ += record.size();
   waiting_.push_back({std::move(record), std::string(kind)});

@@ -219,7 +219,7 @@ void Session::finish_interrupted_shots() {
       continue;
     }
     if (open.ended != 0) ledger_.cancel_request(key.boot_id, open.ended);
-    finish_interrupted(key, open, "the firmware died in it; what it had not yet written is lost");
+    finish_interrupted(key, open, "strobed ended during the shot; what it had not yet written is lost");
     it = open_.erase(it);
   }
 }

@@ -99,9 +99,9 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kWords{
     "images",
     "too few images of the ball",
     "an image did not fit and was left out",
-    "a leg has fewer than four images or equators, or the photograph of diameters, or the surface of points: "
-    "a bad "
-    "one could not be recognized",
+    "too few to recognize a bad one: fewer than four images or equators on a leg, diameters on the "
+    "photograph "
+    "or points on the surface",
     "no image in contact",
     "an image given as airborne overlaps the surface and was left out",
     "the points do not make a surface and a path that meets it",

@@ -50,7 +50,7 @@ nlohmann::ordered_json to_json(const DelayCalibration& calibration) {
 
 std::string spread_words(const MeanSdMax& value) {
   if (value.count == 0) return "none";
-  return fmt::format("{:.2f} ± {:.2f} us, at most {:.2f}", value.mean, value.sd, value.largest);
+  return fmt::format("{:.2f} ± {:.2f} us, at most {:.2f} us", value.mean, value.sd, value.largest);
 }
 
 }  // namespace

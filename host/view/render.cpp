@@ -37,7 +37,7 @@ std::string state_name(const status_t& status) {
     case status_t::FAULT:
       return "FAULT";
     case status_t::SPENT:
-      return "spent, to be armed anew";
+      return "arming spent, arm again";
     case status_t::STOPPED:
       return "STOPPED, until a person gives the command to fire anew";
     default:
@@ -190,8 +190,8 @@ Lines render_firmware(const ViewModel& model, std::size_t width) {
     lines.push_back(fmt::format("firmware {}   key {}   e-stop {}   real time {}", state_name(s),
                                 s.key_active ? "on" : "OFF", s.estop_active ? "PRESSED" : "released",
                                 s.real_time ? "yes" : "NO"));
-    lines.push_back(fmt::format("lost: queue {}, kernel {}, link {}{}", s.queue_overflows, s.kernel_overflows,
-                                model.events_missing, rejected_commands_text(s)));
+    lines.push_back(fmt::format("lost events: queue {}, kernel {}, link {}{}", s.queue_overflows,
+                                s.kernel_overflows, model.events_missing, rejected_commands_text(s)));
     lines.push_back(clock_line(model.clock, model.status_age_s));
     if (model.all) append(lines, render_timing(s));
   }
@@ -277,7 +277,7 @@ std::optional<std::string> ViewModel::update(Session& session, HostTime now) {
   const bool suspect_before = clock.suspect;
   clock = session.clock().state();
   if (!clock.suspect || suspect_before) return std::nullopt;
-  return fmt::format("the firmware's clock drifts by {:.0f} ppm against this machine's: not plausible",
+  return fmt::format("the firmware's clock drifts by {:.0f} ppm against this computer's: not plausible",
                      *clock.drift_ppm);
 }
 

@@ -83,9 +83,9 @@ const histogram_t* histogram_of(const status_t& status, int quantity) {
 }
 
 std::string clock_line(const ClockState& clock, double status_age_s) {
-  std::string line = fmt::format("clock: heard {:.1f} s ago", std::max(0.0, status_age_s));
+  std::string line = fmt::format("clock: heartbeat {:.1f} s ago", std::max(0.0, status_age_s));
   if (clock.latency_s) {
-    line += fmt::format(", {:+.2f} ms against the fastest; latest {:+.2f} ms", *clock.latency_s * 1e3,
+    line += fmt::format(", {:+.2f} ms after the fastest; worst {:+.2f} ms", *clock.latency_s * 1e3,
                         clock.worst_latency_s * 1e3);
   }
   if (clock.drift_ppm) line += fmt::format("   drift {:.1f} ppm", *clock.drift_ppm);

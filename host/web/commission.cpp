@@ -140,9 +140,9 @@ Response CommissionRun::ask(const Request& request, Asked::Kind kind) {
   if (kind == Asked::Kind::confirm) {
     if (!prompted_ || prompted_step_ != asked.step)
       return error_response(409, "this step does not ask for anything now");
-    if (at_console_) return error_response(403, "only who stands at the rig can answer: at the console");
+    if (at_console_) return error_response(403, "only a person at the rig can answer: at the console");
   }
-  if (asked_.size() >= kMaxAsked) return error_response(503, "too much waits");
+  if (asked_.size() >= kMaxAsked) return error_response(503, "too many requests wait: try again");
   asked_.push_back(std::move(asked));
   return json_text_response("{}");
 }

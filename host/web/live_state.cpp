@@ -210,11 +210,11 @@ Response LiveState::ask(const Request& request, LiveCommand::Kind kind) {
     case LiveChannel::Given::taken:
       return json_response({{"asked", true}}, 202);
     case LiveChannel::Given::waits:
-      return error_response(503, "the host has not taken it within a second");
+      return error_response(503, "the host did not react within 1 s");
     case LiveChannel::Given::too_many:
       break;
   }
-  return error_response(503, "the host has not taken what it was asked before");
+  return error_response(503, "too many requests wait: try again");
 }
 
 void add_live_routes(Router& router, LiveState& state) {

@@ -109,7 +109,7 @@ TEST(Advice, OfAnAbortIsAboutItsCauseAlone) {
 }
 
 TEST(Advice, OfAShotWhoseEndIsNotKnownIsToLookAtWhatEnded) {
-  const Shot shot = host::interrupted_shot({77, 6}, 5, false, "its end is in no log: the host, or the firmware, ended in it");
+  const Shot shot = host::interrupted_shot({77, 6}, 5, false, "its end is in no log: the host, or strobed, ended during the shot");
   STRCMP_CONTAINS("power and logs", advice(shot).c_str());
 }
 

@@ -122,7 +122,8 @@ TEST(SpacedPlan, IsEvenByNameAndInFilesThatNameAPeriodAlone) {
 TEST(SpacedPlan, IsEvenAndSaysSoWherePhotographsAreMeasuredByHand) {
   const SpacedPlan spaced = host::spaced_plan(plan_of(""), shipped_rig(), false);
   CHECK(spaced.plan.shot().code.empty());
-  STRCMP_CONTAINS("even train: intervals would have to differ by 3", spaced.remark.c_str());
+  STRCMP_CONTAINS("even train: the period is too short to code ", spaced.remark.c_str());
+  STRCMP_CONTAINS("intervals would have to differ by 3", spaced.remark.c_str());
   STRCMP_CONTAINS("measured by hand", spaced.remark.c_str());
 }
 

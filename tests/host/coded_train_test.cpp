@@ -62,7 +62,7 @@ TEST(CodedPlanFile, HasPeriodOrIntervalsWhicheverItNamesItself) {
   CHECK(even->even.period == milliseconds{2});
   const auto same = read("shutter_open_ms = 300\n", rig);
   CHECK(same->intervals == rig.intervals && same->omit == rig.omit);
-  STRCMP_EQUAL("PLAN.toml:2: intervals_us: instead of period_us, not beside it",
+  STRCMP_EQUAL("PLAN.toml:2: intervals_us: must not be given together with period_us",
                error_of("period_us = 3000\nintervals_us = [3000]\n").c_str());
 }
 
@@ -79,9 +79,9 @@ TEST(CodedPlanFile, IsSpacedAsItSaysAndEvenWhereItNamesAPeriodAlone) {
   PlanFile own;
   own.intervals = {microseconds{3000}, microseconds{3400}};
   CHECK(read("spacing = \"coded\"\n", own)->intervals.empty());
-  STRCMP_CONTAINS("PLAN.toml:2: spacing: not beside a code of the plan's own",
+  STRCMP_CONTAINS("PLAN.toml:2: spacing: must not be given together with intervals_us, omit, only_a or only_b",
                   error_of("intervals_us = [3000, 3100]\nspacing = \"even\"\n").c_str());
-  STRCMP_CONTAINS("spacing: not beside", error_of("omit = [2]\nspacing = \"coded\"\n").c_str());
+  STRCMP_CONTAINS("spacing: must not be given together", error_of("omit = [2]\nspacing = \"coded\"\n").c_str());
   CHECK(read("omit = [2]\nspacing = \"even\"\n")->coded());
   STRCMP_CONTAINS("spacing: must be one of even, coded", error_of("spacing = \"odd\"\n").c_str());
 }

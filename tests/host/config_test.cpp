@@ -206,7 +206,7 @@ TEST(CameraTable, NamesWhatIsWrong) {
   STRCMP_CONTAINS("two points a pixel or more apart", camera_error("surface_px = [1, 2, 1, 2]\n").c_str());
   STRCMP_CONTAINS("must be a date", camera_error("calibrated = \"2026-02-30\"\n").c_str());
   STRCMP_CONTAINS("must be a date", camera_error("calibrated = \"yesterday \"\n").c_str());
-  STRCMP_CONTAINS("distance of at least 1", camera_error("viewpoint_px = [0, 0, 0]\n").c_str());
+  STRCMP_CONTAINS("the distance, must be at least 1 px", camera_error("viewpoint_px = [0, 0, 0]\n").c_str());
   STRCMP_CONTAINS("lens_focal_px: needs rectify too", camera_error("lens_focal_px = 900\n").c_str());
   STRCMP_CONTAINS("must not be singular", camera_error("rectify = [1, 2, 3, 2, 4, 6, 0, 0, 1]\n").c_str());
   for (const char* key : {"width_px", "px_per_m ", "lens_centre_px", "lens_distortion"}) {
@@ -299,7 +299,7 @@ TEST(Statements, OfInstrumentsHaveCertificatesAndDays) {
   CHECK_EQUAL("", rig->instruments[1].certificate + rig->instruments[1].calibrated + rig->instruments[1].due);
   const std::string begin = "rig = \"b\"\n[[report.instrument]]\n";
   STRCMP_CONTAINS("rig.toml:2: report.instrument[1].name: must say which", rig_error(begin).c_str());
-  STRCMP_CONTAINS("rig.toml:4: report.instrument[1].calibrated: must be a day",
+  STRCMP_CONTAINS("rig.toml:4: report.instrument[1].calibrated: must be a date",
                   rig_error(begin + "name = \"a\"\ncalibrated = \"March\"\n").c_str());
   STRCMP_CONTAINS("rig.toml:5: report.instrument[1].due: must not be before",
                   rig_error(begin + "name = \"a\"\ncalibrated = \"2026-03-02\"\ndue = \"2026-03-01\"\n").c_str());
@@ -309,7 +309,7 @@ TEST(Statements, OfInstrumentsHaveCertificatesAndDays) {
 TEST(Statements, AreNamedWhereTheyAreWrong) {
   STRCMP_CONTAINS("rig.toml:3: report.customr",
                   rig_error("rig = \"b\"\n[report]\ncustomr = \"x\"\n").c_str());
-  STRCMP_CONTAINS("rig.toml:3: report.issued: must be a day as 2026-11-21",
+  STRCMP_CONTAINS("rig.toml:3: report.issued: must be a date, such as 2026-11-21",
                   rig_error("rig = \"b\"\n[report]\nissued = \"21.11.2026\"\n").c_str());
   STRCMP_CONTAINS("rig.toml:3: laboratory.name: must be plain UTF-8",
                   rig_error("rig = \"b\"\n[laboratory]\nname = \"a\\nb\"\n").c_str());

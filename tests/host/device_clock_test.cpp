@@ -92,13 +92,13 @@ TEST(DeviceClock, TellsThatAWallClockWasSetAndGoesOnUnmoved) {
   const HostTime before = *clock.local(beats.boot_id, probe);
   beats.device_wall += 3600 * kSecond;
   play(beats, 9);
-  STRCMP_CONTAINS("the wall clock of the firmware's machine was set by +3600.0 s",
+  STRCMP_CONTAINS("the wall clock of the rig's computer was set by +3600.0 s",
                   joined(clock.take_notifications()).c_str());
   LONGS_EQUAL(109, clock.state().heartbeats);
   CHECK(abs(*clock.local(beats.boot_id, probe) - before) < microseconds{100});
   clock.on_local({});
   clock.on_local({HostTime{kSecond}, WallTime{-7 * kSecond}, kSecond});
-  STRCMP_CONTAINS("the wall clock of this machine was set by -8.0 s",
+  STRCMP_CONTAINS("the wall clock of this computer was set by -8.0 s",
                   joined(clock.take_notifications()).c_str());
 }
 
@@ -109,7 +109,7 @@ TEST(DeviceClock, BeginsAnewWhenTheFirmwaresMachineWasSuspended) {
   const HostTime before_local = *clock.local(beats.boot_id, before);
   beats.suspend(60.0);
   play(beats, 1);
-  STRCMP_CONTAINS("the firmware's machine was suspended for 60.0 s",
+  STRCMP_CONTAINS("the rig's computer was suspended for 60.0 s",
                   joined(clock.take_notifications()).c_str());
   LONGS_EQUAL(1, clock.state().heartbeats);
   CHECK(clock.suspended_within(beats.boot_id, before - kSecond, beats.device()));
@@ -123,7 +123,7 @@ TEST(DeviceClock, BeginsAnewWhenThisMachineWasSuspended) {
   play(beats, 100);
   beats.local_offset -= 60 * kSecond;  // its clock stood still: messages come a minute too early
   play(beats, 1);
-  STRCMP_CONTAINS("do not go together any more", joined(clock.take_notifications()).c_str());
+  STRCMP_CONTAINS("no longer agrees", joined(clock.take_notifications()).c_str());
   CHECK(abs(*clock.local(beats.boot_id, beats.device()) - beats.local()) < milliseconds{5});
 }
 
@@ -134,7 +134,7 @@ TEST(DeviceClock, BeginsAnewWhenAllMessagesComeLateByTheSame) {
   play(beats, 7);
   CHECK_EQUAL(0u, clock.take_notifications().size());
   play(beats, 1);
-  STRCMP_CONTAINS("do not go together any more", joined(clock.take_notifications()).c_str());
+  STRCMP_CONTAINS("no longer agrees", joined(clock.take_notifications()).c_str());
   LONGS_EQUAL(8, clock.state().heartbeats);
 }
 
@@ -220,7 +220,7 @@ TEST(DeviceClock, TellsThatTheMachineSleptBetweenTwoStartsOfTheFirmware) {
   beats.suspend(60.0);
   beats.boot_id = 6;
   play(beats, 5);
-  STRCMP_CONTAINS("the firmware's machine was suspended for 60.0 s",
+  STRCMP_CONTAINS("the rig's computer was suspended for 60.0 s",
                   joined(clock.take_notifications()).c_str());
   CHECK(abs(*clock.local(6, beats.device()) - beats.local()) < milliseconds{5});
 }

@@ -292,7 +292,7 @@ TEST(HostLoop, ASeriesIsArmedFiredAndItsLostEventsFetched) {
   arrive(Channel::status, status);
   pass(loop, 0.02);
   runner.step();
-  STRCMP_CONTAINS("listening whether another rig", runner.series().blocking_reason().c_str());
+  STRCMP_CONTAINS("listening for another rig", runner.series().blocking_reason().c_str());
   pass(loop, 1.2);
   runner.step();
   LONGS_EQUAL(command_t::ARM, last_command().kind);

@@ -43,7 +43,7 @@ TEST_GROUP(LiveBoots) {
 
 TEST(LiveBoots, OneRigIsArmedAfterTwoHeartbeatsHadTimeToComeFromAnother) {
   beat(0xa);
-  STRCMP_CONTAINS("listening whether another rig has the name bench", problem().c_str());
+  STRCMP_CONTAINS("listening for another rig with the name bench", problem().c_str());
   beat_on(1.5, {0xa}, {});
   CHECK_EQUAL("", problem());
   LONGS_EQUAL(0, asked_);

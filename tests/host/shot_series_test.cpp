@@ -121,7 +121,7 @@ TEST(ShotSeriesOfAHost, GivesUpWhereTheResetIsRefused) {
   kStops[2].come(play.firmware.status);
   play.firmware.refuses_reset =
       "the rig was stopped, or key or e-stop moved, after this command was given: give it again";
-  play.ends("refused: RESET: a stop");
+  play.ends("refused: RESET: the rig was stopped");
 }
 
 TEST(ShotSeriesOfAHost, WantsADisarmWhereItEndsWhileItArms) {

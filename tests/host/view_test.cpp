@@ -130,11 +130,11 @@ TEST(ScreenLines, SayWhatTheFirmwareIsDoing) {
 
 TEST(ScreenLines, SayHowTheFirmwaresClockStands) {
   m.status_age_s = 0.21;
-  CHECK_EQUAL("clock: heard 0.2 s ago", row(render(m, 160), "clock"));
+  CHECK_EQUAL("clock: heartbeat 0.2 s ago", row(render(m, 160), "clock"));
   m.clock.latency_s = 0.00012;
   m.clock.worst_latency_s = 0.0034;
   m.clock.drift_ppm = 12.3456;
-  CHECK_EQUAL("clock: heard 0.2 s ago, +0.12 ms against the fastest; latest +3.40 ms drift 12.3 ppm",
+  CHECK_EQUAL("clock: heartbeat 0.2 s ago, +0.12 ms after the fastest; worst +3.40 ms drift 12.3 ppm",
               row(render(m, 160), "clock"));
   m.clock.suspect = true;
   STRCMP_CONTAINS("SUSPECT", row(render(m, 160), "clock").c_str());
@@ -143,7 +143,7 @@ TEST(ScreenLines, SayHowTheFirmwaresClockStands) {
 TEST(ScreenLines, SayWhichCommandsWereIgnored) {
   m.status->rejected_forged = 3;
   m.status->rejected_replayed = 1;
-  CHECK_EQUAL("lost: queue 0, kernel 0, link 0 commands ignored: 3 forged, 1 replayed",
+  CHECK_EQUAL("lost events: queue 0, kernel 0, link 0 commands ignored: 3 forged, 1 replayed",
               row(render(m, 160), "lost"));
 }
 

@@ -149,9 +149,9 @@ Result<Photograph> load_photograph(const std::filesystem::path& path) {
   const std::string name = path.string();
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) return fail(fmt::format("{}: is not there", name));
+  if (!std::filesystem::exists(status)) return fail(fmt::format("{}: no such file", name));
   // Opening a pipe would wait for whoever fills it.
-  if (!std::filesystem::is_regular_file(status)) return fail(fmt::format("{}: is no plain file", name));
+  if (!std::filesystem::is_regular_file(status)) return fail(fmt::format("{}: not a regular file", name));
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file) return fail(fmt::format("{}: cannot be opened", name));
   const std::streamoff size = file.tellg();

@@ -128,7 +128,7 @@ void Connection::work(Worker& worker) {
       if (!self->closed_) self->respond(response, self->intake_.keep_alive());
     });
   });
-  if (!taken) respond(error_response(503, "too much is asked for at once"), intake_.keep_alive());
+  if (!taken) respond(error_response(503, "too many requests wait: try again"), intake_.keep_alive());
 }
 
 void Connection::respond(const Response& response, bool keep_alive) {
@@ -172,7 +172,7 @@ void Connection::linger() {
 
 void Connection::stream() {
   if (services_.viewers >= services_.max_viewers)
-    return respond(error_response(503, "the event stream has as many viewers as it can"), false);
+    return respond(error_response(503, "too many viewers: close one, or try again"), false);
   streaming_ = true;
   ++services_.viewers;
   write_events(events_head());

@@ -73,7 +73,7 @@ TEST(ContactSet, RefusesAFileWithoutRows) {
 }
 
 TEST(ContactSet, TellsMillisecondsFromFractions) {
-  check_complaint("a.csv:2: time_fraction: must be within -0.5 and 1.5", kHeader + "2.6,0.5,-0.2,0.1\n");
+  check_complaint("a.csv:2: time_fraction: must be from -0.5 to 1.5", kHeader + "2.6,0.5,-0.2,0.1\n");
 }
 
 TEST(ContactSet, KnowsTheTwoRowsThatHoldByDefinition) {

@@ -122,10 +122,11 @@ TEST(FitCommand, TakesFixedValuesOneByOneOrInAList) {
 }
 
 TEST(FitCommand, RefusesParametersThatThereAreNot) {
-  check_refused(run_fit({"--free", "mu,friction"}), "fit: no parameter \"friction\": mu, ex, d, u0 or alpha");
+  check_refused(run_fit({"--free", "mu,friction"}),
+                "fit: --free, --fix: no parameter \"friction\"; there are mu, ex, d, u0 and alpha");
   check_refused(run_fit({"--model", "slide-roll", "--free", "mu,ex"}),
                 "fit: ex: the model does not have this parameter");
-  check_refused(run_fit({"--free", "mu", "--fix", "mu=0.5"}), "fit: mu is both free and fixed");
+  check_refused(run_fit({"--free", "mu", "--fix", "mu=0.5"}), "fit: mu is in both --free and --fix");
   check_refused(run_fit({"--fix", "mu"}), "fit: --fix mu: must be name=value");
   check_refused(run_fit({"--fix", "mu=nan"}), "fit: --fix mu=nan: the value is not a number");
   check_refused(run_fit({"--fix", "d=40"}), "fit: --fix d=40: must be from 0 to 32.55 mm");
@@ -206,7 +207,7 @@ TEST(FitCommand, TheContactMechanicsTakesTheOptionsOfTheOtherModels) {
 TEST(FitCommand, TheContactMechanicsTellsWhatTheDataDoNot) {
   check_prints(run_fit({"--model", "ode"}),
                {"stiffness_ratio 1.", "posterior: importance sampling", "(seed 1)",
-                "prior, 95 %: mu 0.13 to 2", "not told: u0 and offset_share apart"});
+                "prior, 95 %: mu 0.13 to 2", "not determined: u0 and offset_share apart"});
 }
 
 TEST(FitCommand, OptionsOfTheContactMechanicsAreRefusedElsewhere) {

@@ -171,7 +171,7 @@ TEST(PhysicsCommands, ReduceTakesStatedSdsForRelativeWeightsWhereNoiseComesFromR
   CHECK_TRUE(believed["degrees_of_freedom"]["e"].is_null());
   CHECK_TRUE(weights["degrees_of_freedom"]["e"].is_number());
   check_refused(reduce({"--noise", "residuals", "--estimator", "two-point"}),
-                "reduce: --noise is for the best estimator");
+                "reduce: --noise residuals needs --estimator best");
   check_prints(reduce({}), {"residuals over stated noise: "});
 }
 

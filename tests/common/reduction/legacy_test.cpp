@@ -329,7 +329,7 @@ TEST(LegacyFile, NamesFileAndLineOfWhatIsWrong) {
   STRCMP_CONTAINS("old.txt:1: must be the strobe period", complaint(with_line(two, 1, "nan")).c_str());
   STRCMP_EQUAL("old.txt:2: must be two whole numbers: contact count, frame number",
                complaint(with_line(two, 2, "3")).c_str());
-  STRCMP_EQUAL("old.txt:2: the contact count must be within 1 and 1000",
+  STRCMP_EQUAL("old.txt:2: the contact count must be from 1 to 1000",
                complaint(with_line(two, 2, "0 41")).c_str());
   for (const char* period : {"0", "1.001", "0.002 1"})
     STRCMP_CONTAINS("old.txt:1: must be the strobe period", complaint(with_line(two, 1, period)).c_str());

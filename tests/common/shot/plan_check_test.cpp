@@ -71,5 +71,5 @@ TEST(PlanCheck, WithoutLimitsRefusesOnlyWhatNoRigCanPlay) {
   plan.period = Duration{};
   CHECK_EQUAL("period_us", field());
   plan.period = -milliseconds(1);
-  CHECK_EQUAL("plan", field());
+  CHECK_EQUAL("period_us", field());
 }

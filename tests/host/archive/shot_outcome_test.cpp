@@ -187,7 +187,7 @@ TEST(CorrectionsOfAShot, NeedAPhotographAndAnEnd) {
   CHECK_FALSE(fs::exists(folder / "digitizations"));
   host::Shot endless = session.shots[1];
   endless.photograph = folder / "photographs/shot-0002-a.tif";
-  STRCMP_CONTAINS("the firmware ended in it", host::redigitize(session, endless).error().message.c_str());
+  STRCMP_CONTAINS("strobed ended during the shot", host::redigitize(session, endless).error().message.c_str());
 }
 
 TEST(CorrectionsOfAShot, APhotographThatCannotBeReadIsToldAndStopsNothing) {

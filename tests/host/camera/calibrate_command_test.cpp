@@ -165,7 +165,7 @@ TEST(CalibrateCommand, LeavesOutPhotographsThatShowNoBoardAndSaysWhich) {
   for (const char* const why :
        {"\"hand\".png: no chessboard 7 x 5, 20 mm is seen as a whole; ",
         "small.png: 160 x 120 pixels, but the first photograph has 400 x 300; ",
-        "text.png: it is no picture of a kind that is read (TIFF, PNG, JPEG); ", "none.png: is not there"})
+        "text.png: not a TIFF, PNG or JPEG file; ", "none.png: no such file"})
     STRCMP_CONTAINS(why, left_out.c_str());
   // All else is what the three that show the board give without them.
   const std::size_t line = found.find("left_out = "), end = found.find('\n', line) + 1;

@@ -76,7 +76,7 @@ TEST(PhotographChain, WithoutAScaleFindsItAndOfAWrongOneSaysSo) {
   DOUBLES_EQUAL(kPxPerM, frame.at("scale").at("px_per_m").get<double>(), 0.005 * kPxPerM);
   const Run wrong = run_program("strobe", {"digitize", shot("a"), "--px-per-m", plain_number(0.7 * kPxPerM)});
   LONGS_EQUAL(1, wrong.code);
-  STRCMP_CONTAINS("the picture's balls are about", wrong.out.c_str());
+  STRCMP_CONTAINS("the photograph's balls are about", wrong.out.c_str());
 }
 
 TEST(PhotographChain, DrawsWhatItFoundOnThePhotograph) {

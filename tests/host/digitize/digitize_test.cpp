@@ -294,7 +294,7 @@ TEST(Digitize, OfAWrongScaleSaysWhichSizeTheBallsHaveAndMeasuresNothing) {
     const auto result = digitize::digitize(painter::paint(picture(bounce())), s);
     LONGS_EQUAL(0, result->frame.images.size());
     CHECK_TRUE(std::ranges::any_of(result->remarks, [](const std::string& remark) {
-      return remark.starts_with("the picture's balls are about 9") &&
+      return remark.starts_with("the photograph's balls are about 9") &&
              remark.ends_with("nothing was measured");
     }));
   }

@@ -104,7 +104,7 @@ TEST(Photograph, AFileThatEndsTooEarlyIsNone) {
 
 TEST(Photograph, WhatIsNoPictureIsNamed) {
   check_complaint({}, "the file is empty");
-  check_complaint(Bytes(100, 'x'), "no picture of a kind that is read");
+  check_complaint(Bytes(100, 'x'), "not a TIFF, PNG or JPEG file");
   check_complaint(encoded_picture(cv::Mat::zeros(15, 40, CV_8U), ".png"), "40 x 15 pixels are too few");
 }
 

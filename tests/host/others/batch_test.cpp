@@ -220,7 +220,7 @@ TEST(Batch, GivesASessionThatCannotBeReadARowWithItsReason) {
 
 TEST(Batch, RefusesWhatItCannotDo) {
   check_refused(run({"--out", out / "a"}, 2), "batch: no session is given");
-  check_refused(run_both("a", {"--shard", "3/2"}, 2), "batch: --shard 3/2: must be I/N, 1/8 to 8/8");
+  check_refused(run_both("a", {"--shard", "3/2"}, 2), "batch: --shard 3/2: must be I/N with I from 1 to N, such as 3/8");
   check_refused(
       run_both("a", {"--frames", "--calibration", "camera.toml"}, 2),
       "batch: --frames keeps the calibration that the frames were digitized with; leave --calibration out");

@@ -104,7 +104,7 @@ TEST(ReportCommand, RefusesWhatItCannotUseInOneLine) {
   };
   const std::vector<Case> cases{{{"--limit", "speed=1..2"}, "no such quantity"},
                                 {{"--limit", "e=2..1"}, "above the largest"},
-                                {{"--received", "yesterday"}, "--received must be a day as 2026-11-21"},
+                                {{"--received", "yesterday"}, "--received must be a date, such as 2026-11-21"},
                                 {{"--decision-rule", "lenient"}, "lenient"},
                                 {{folder / "absent"}, "absent"},
                                 {{"--out", "x.pdf"}, "--out x.pdf: a PDF is written with --pdf"},

@@ -183,7 +183,7 @@ TEST(LiveState, OfALoopThatStandsStillSaysSoWithinASecond) {
   Request request{"POST", "/api/v1/disarm", {}, {}, "{}", "10.0.0.7"};
   const Response answer = router.route(request);
   LONGS_EQUAL(503, answer.status);
-  STRCMP_CONTAINS("has not taken it within a second", answer.body->c_str());
+  STRCMP_CONTAINS("did not react within 1 s", answer.body->c_str());
   for (std::size_t i = 0; i < LiveChannel::kMaxCommands; ++i) LONGS_EQUAL(503, router.route(request).status);
   LONGS_EQUAL(LiveChannel::kMaxCommands, channel.take_commands().size());
 }

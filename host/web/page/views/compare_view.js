@@ -98,5 +98,6 @@ function differencesTable(known, answer, one, other) {
 
 function furtherShots({ more_shots: [first, second] = [null, null], difference_asked: asked }) {
   if (first === null) return asked > 0 ? "no number would do" : "–";
+  if (Math.max(first, second) > 10_000) return "more than 10,000";
   return first === 0 && second === 0 ? "enough" : `${first} + ${second}`;
 }

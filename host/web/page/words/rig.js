@@ -10,7 +10,7 @@ const STATES = {
   idle: ["idle", "plain"],
   armed: ["ARMED", "caution"],
   firing: ["FIRING", "caution"],
-  spent: ["spent, to be armed anew", "plain"],
+  spent: ["arming spent, arm again", "plain"],
   stopped: ["STOPPED", "caution"],
   fault: ["FAULT", "danger"],
 };
