@@ -7,6 +7,7 @@
 
 #include "common/reduction/uncertainty.hpp"
 #include "host/config/notes.hpp"
+#include "host/series/select.hpp"
 #include "host/session/advice.hpp"
 #include "host/session/shot.hpp"
 #include "host/session/shot_table.hpp"
@@ -259,8 +260,16 @@ constexpr std::size_t kMaxNotifications = 50;
 
 void ViewModel::add(const Shot& result) {
   ++shots;
-  if (!result.dry) series.add(result);
   last = result;
+  if (result.dry) return;
+  const bool begun = series.counted() + series.rejected() > 0;
+  if (begun && !differing_keys({&series_condition, &result}).empty()) {
+    series = Series();
+    add_notification("shots of another condition: the series begins anew");
+  }
+  series_condition.rig = result.rig;
+  series_condition.readout.record = result.readout.record;
+  series.add(result);
 }
 
 void ViewModel::add_notification(const std::string& text) {

@@ -345,6 +345,19 @@ TEST(ViewModel, CountsEveryShotAndAddsToTheSeriesOnlyThoseThatCount) {
   STRCMP_EQUAL("late", m.last->rejected->c_str());
 }
 
+TEST(ViewModel, BeginsTheSeriesAnewWithAnotherCondition) {
+  ViewModel m;
+  Shot hard = example(1, 15.0), soft = example(3, 20.0);
+  hard.readout.record["surface_name"] = "hard";
+  soft.readout.record["surface_name"] = "soft";
+  for (const Shot& shot : {hard, hard, soft}) m.add(shot);
+  LONGS_EQUAL(3, m.shots);
+  LONGS_EQUAL(1, m.series.counted());
+  LONGS_EQUAL(1, m.notifications.size());
+  const auto mean = m.series.summary("").quantities[static_cast<std::size_t>(Quantity::vx_td_mps)].mean;
+  DOUBLES_EQUAL(20.0, mean, 0.0);
+}
+
 TEST(ViewModel, KeepsTheNewestFiftyNotifications) {
   ViewModel m;
   for (int i = 1; i <= 51; ++i) m.add_notification(std::to_string(i));
