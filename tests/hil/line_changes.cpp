@@ -120,12 +120,16 @@ std::int64_t LineWatcher::wait_for_nth(const std::string& line, int level, int n
 }
 
 bool LineWatcher::wait_until(const std::function<bool()>& condition, std::chrono::milliseconds limit) const {
+  constexpr std::int64_t kStandsStill = 5'000 * kMs;  // a program that is held keeps the rig's time from going on
   const MonoTime end = chip_.now() + limit;
-  for (;;) {
-    const bool late = chip_.now() >= end;
+  MonoTime before = chip_.now();
+  for (std::int64_t went_on = testing::monotonic_now_ns();;) {
+    const MonoTime now = chip_.now();
+    if (now != before) went_on = testing::monotonic_now_ns();
+    before = now;
     if (condition()) return true;
-    if (late) return false;
-    testing::sleep_for(5ms);
+    if (now >= end || testing::monotonic_now_ns() - went_on > kStandsStill) return false;
+    testing::sleep_for(std::chrono::milliseconds(5));
   }
 }
 
