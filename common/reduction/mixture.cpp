@@ -135,8 +135,7 @@ class Mixing {
     Frame frame = frame_;
     for (std::size_t i = 0; i < frame.images.size(); ++i)
       frame.images[i].time_s = group.members.front()->time_s[i];
-    auto readout = reduce(frame, Estimator::best,
-                          {.effects = effects, .by_time = group.members.size() > 1, .likely_cause = false});
+    auto readout = reduce(frame, Estimator::best, {.effects = effects, .by_time = group.members.size() > 1});
     if (!readout) return std::nullopt;
     return std::move(*readout);
   }
@@ -217,7 +216,7 @@ bool mixture_ambiguous(const Readout& mixture) {
 }
 
 Result<Readout> reduce_hypotheses(const Frame& frame, std::span<const AssignedTimes> hypotheses) {
-  auto readout = reduce(frame, Estimator::best, {.by_time = hypotheses.size() > 1});
+  auto readout = reduce(frame, Estimator::best, {.by_time = hypotheses.size() > 1, .likely_cause = true});
   if (!readout || hypotheses.empty()) return readout;
   mix(Mixing(frame, hypotheses).run(*readout), *readout);
   readout->by_time.clear();

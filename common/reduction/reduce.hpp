@@ -40,8 +40,9 @@ struct ReduceOptions {
   bool covariance = false;
   /// Give Readout::by_time as well.
   bool by_time = false;
-  /// Look for Readout::likely_cause where a flag asks for it: as long as some hundred reductions.
-  bool likely_cause = true;
+  /// Look for Readout::likely_cause where a flag asks for it, for a person: as long as up to some hundred
+  /// reductions.
+  bool likely_cause = false;
 };
 
 /// A readout of the frame. Numbers that cannot be computed are absent and the flags say why.

@@ -51,6 +51,7 @@ struct ReduceOptions {
 reduction::ReduceOptions reduction_options(const std::string& flight, const std::string& noise) {
   reduction::ReduceOptions options;
   options.noise = *reduction::noise_source_from_name(noise);
+  options.likely_cause = true;
   if (flight == "none") options.effects = flight::kNoEffects;
   if (flight == "gravity") options.effects = flight::kGravityOnly;
   if (flight == "all") options.effects = flight::Effects{};

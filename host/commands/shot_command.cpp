@@ -176,6 +176,7 @@ int run_shot(const ShotOptions& options) {
   if (options.reduces()) {
     reduction::ReduceOptions how;
     how.noise = *reduction::noise_source_from_name(options.noise);
+    how.likely_cause = true;
     auto reduced = reduced_by(changed->shot, *reduction::estimator_from_name(options.estimator), how);
     if (!reduced) return bad_input(reduced.error().message);
     result = std::move(*reduced);

@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto again = messages::frame_from_json(text);
   if (!again || messages::frame_to_json(*again) != text) std::abort();
   for (const Estimator estimator : {Estimator::best, Estimator::two_point, Estimator::legacy}) {
-    const auto readout = reduce(*frame, estimator);
+    const auto readout = reduce(*frame, estimator, {.likely_cause = true});
     if (readout) (void)messages::readout_to_json(*readout);
   }
   return 0;

@@ -253,7 +253,7 @@ void check_finite(const Readout& r) {
 std::string tried(const Frame& frame) {
   for (const Estimator estimator : {Estimator::best, Estimator::two_point, Estimator::legacy}) {
     if (frame.surface_px.empty() && estimator != Estimator::best) continue;
-    const auto reduced = [&] { return reduce(frame, estimator, {.covariance = true}); };
+    const auto reduced = [&] { return reduce(frame, estimator, {.covariance = true, .likely_cause = true}); };
     const auto trapped = [&] {
       const Trapped traps;
       return reduced();

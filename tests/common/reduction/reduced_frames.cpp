@@ -45,7 +45,7 @@ Readout reduced(const Frame& frame, Estimator estimator) {
 }
 
 Readout reduced_in_air(const Frame& frame) {
-  const auto readout = reduce(frame, Estimator::best);
+  const auto readout = reduce(frame, Estimator::best, {.likely_cause = true});
   if (!readout) FAIL(readout.error().message.c_str());
   return *readout;
 }
