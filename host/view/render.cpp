@@ -262,13 +262,14 @@ void ViewModel::add(const Shot& result) {
   ++shots;
   last = result;
   if (result.dry) return;
-  const bool begun = series.counted() + series.rejected() > 0;
-  if (begun && !differing_keys({&series_condition, &result}).empty()) {
-    series = Series();
-    add_notification("shots of another condition: the series begins anew");
+  if (!result.rejected) {
+    if (series.counted() > 0 && !differing_keys({&series_condition, &result}).empty()) {
+      series = Series();
+      add_notification("shots of another condition: the series begins anew");
+    }
+    series_condition.rig = result.rig;
+    series_condition.readout.record = result.readout.record;
   }
-  series_condition.rig = result.rig;
-  series_condition.readout.record = result.readout.record;
   series.add(result);
 }
 

@@ -29,7 +29,7 @@ struct ViewModel {
   int shots = 0;                                ///< whose results have come
   std::optional<Shot> last;
   Series series;                            ///< of the last shots of one condition (host/series/select.hpp)
-  Shot series_condition;                    ///< its first shot's notes and rig
+  Shot series_condition;                    ///< notes and rig of those that count
   bool all = false;                         ///< experts' numbers as well
   std::optional<thesis::Condition> thesis;  ///< the thesis's series of the same spin and angle
   std::vector<std::string> notifications;   ///< newest last; the last 50 are kept

@@ -358,6 +358,17 @@ TEST(ViewModel, BeginsTheSeriesAnewWithAnotherCondition) {
   DOUBLES_EQUAL(20.0, mean, 0.0);
 }
 
+TEST(ViewModel, GoesOnWithTheSeriesAfterAShotOfWhichNothingIsKnown) {
+  ViewModel m;
+  Shot noted = example(1, 15.0), lost;
+  noted.readout.record["surface_name"] = "hard";
+  lost.rejected = "its end is in no log";
+  for (const Shot& shot : {noted, lost, noted}) m.add(shot);
+  LONGS_EQUAL(2, m.series.counted());
+  LONGS_EQUAL(1, m.series.rejected());
+  LONGS_EQUAL(0, m.notifications.size());
+}
+
 TEST(ViewModel, KeepsTheNewestFiftyNotifications) {
   ViewModel m;
   for (int i = 1; i <= 51; ++i) m.add_notification(std::to_string(i));
