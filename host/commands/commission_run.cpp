@@ -126,7 +126,7 @@ std::string current_step(const Commissioning& commissioning) {
   for (const StepView& view : commissioning.views())
     if (view.state == StepState::running || view.state == StepState::waiting) return view.info.id;
   for (const StepView& view : commissioning.views())
-    if ((view.state == StepState::failed || view.state == StepState::not_told) && commissioning.prompt())
+    if (commission::over(view.state) && !commission::is_settled(view.state) && commissioning.prompt())
       return view.info.id;
   return "";
 }

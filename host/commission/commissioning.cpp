@@ -240,18 +240,18 @@ void Commissioning::deliver() {
 }
 
 void Commissioning::finish_step(std::vector<StepResult> results) {
-  bool good = true;
+  bool settled = true;
   assert(results.size() == work_[current_].views.size());
   for (std::size_t i = 0; i < results.size(); ++i) {
     StepView& view = views_[work_[current_].views[i]];
     view.result = std::move(results[i]);
     view.result->id = view.info.id;
     view.state = view.result->state;
-    good = good && (view.state == StepState::passed || view.state == StepState::skipped);
+    settled = settled && is_settled(view.state);
     for (CommissioningListener* listener : listeners_) listener->on_result(view);
   }
   waiting_.clear();
-  if (good || !settings_.attended) return next_step();
+  if (settled || !settings_.attended) return next_step();
   phase_ = Phase::asking;
   prompt_ = {Prompt::Kind::after_failure, "Do the step again?", false};
   for (CommissioningListener* listener : listeners_) listener->on_prompt(view(), *prompt_);

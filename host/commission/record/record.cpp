@@ -228,8 +228,8 @@ Standing standing(const Record& record, std::span<const StepInfo> infos, const h
       result.oldest_days = std::max(result.oldest_days, days);
       result.newest_utc = std::max(result.newest_utc, line.step->utc);
     }
-    const bool well = line.step != nullptr && line.step->result.state != StepState::failed &&
-                      line.step->result.state != StepState::not_told && !line.changed && !line.old;
+    const bool well =
+        line.step != nullptr && is_settled(line.step->result.state) && !line.changed && !line.old;
     if (!well && result.state == Standing::State::good) result.state = Standing::State::doubtful;
     result.lines.push_back(std::move(line));
   }

@@ -30,6 +30,10 @@ constexpr std::string_view in_words(StepState state) {
   return state == StepState::not_told ? "not told apart" : name(state);
 }
 constexpr bool over(StepState state) { return state >= StepState::passed; }
+/// Over, and nothing is left to be mended or told.
+constexpr bool is_settled(StepState state) {
+  return state == StepState::passed || state == StepState::skipped;
+}
 
 /// One line of the record. A Step may answer several, from the same shots.
 struct StepInfo {
