@@ -66,7 +66,8 @@ class LineWatcher {
   /// The same as wait_for() while a command runs; 0 at once when the command has ended without it.
   std::int64_t wait_for(const std::string& line, int level, testing::Process& command);
 
-  /// Whether the condition comes to hold within the limit, however long a busy machine takes for that.
+  /// Whether the condition comes to hold within the limit, however long a busy machine takes for that; given up where
+  /// the rig's time stands still.
   bool wait_until(const std::function<bool()>& condition, std::chrono::milliseconds limit) const;
 
   /// Drives an input with a stamp of now.
