@@ -177,6 +177,7 @@ void add_contact_json(ordered_json& out, const impact::ContactTrajectory& contac
   out["events"] = ordered_json::array();
   for (const impact::ContactEvent& event : s.event_list())
     out["events"].push_back({{"time_ms", event.time_s * 1e3}, {"event", impact::name(event.kind)}});
+  out["events_left_out"] = s.events_left_out;
   out["energy"] = energy_json(s.energy);
   out["steps"] = s.steps;
   out["method"] = impact::name(s.method);
@@ -212,6 +213,9 @@ void print_contact(const impact::ContactTrajectory& contact) {
               s.max_force_n);
   for (const impact::ContactEvent& event : s.event_list())
     std::printf("  %8.4f ms  %s\n", event.time_s * 1e3, impact::name(event.kind).data());
+  if (s.events_left_out > 0)
+    std::printf("  and %d more grips, slips and reversals; %d reversals in all\n", s.events_left_out,
+                s.friction_reversals);
   const impact::ContactEnergy& e = s.energy;
   std::printf(
       "energy %.4f J, of which lost: %.4f normal damping, %.4f sliding, %.4f tangential damping, %.4f "

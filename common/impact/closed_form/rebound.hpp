@@ -25,7 +25,7 @@ enum class InputError {
   spring_out_of_range,     ///< a contact spring's or dashpot's ratio outside the range its model states
   tolerance_out_of_range,  ///< a tolerance outside 1e-12…1e-3
   no_release,              ///< the ball does not leave the surface: its weight holds it there
-  too_many_steps,          ///< more steps or events than an integration allows
+  too_many_steps,  ///< more steps than an integration allows: alpha or the reference speed is too small
 };
 
 /// Largest and smallest magnitude of the closed forms' inputs, within which none of their products or
@@ -50,10 +50,11 @@ constexpr std::string_view message(InputError error) {
       "dwell time must be positive",
       "the simplified pulse needs e above 0",
       "a speed, a length, a mass or a time is too large or too small to compute with",
-      "e is below 0.001, or a spring or damping ratio is out of its range",
+      "e is below 0.001, kt over k not from 0.001 to 1000, or ct neither 0 nor from 0.01 to 10",
       "tolerance is out of its range",
       "the ball does not leave the surface: its weight holds it there",
-      "the contact takes more steps or events than the integration allows",
+      "the contact takes too many steps: alpha is below 0.01 or the offset's reference speed below "
+      "|vy|/10000",
   };
   static_assert(words.size() == static_cast<std::size_t>(InputError::too_many_steps) + 1);
   return words[static_cast<std::size_t>(error)];

@@ -53,6 +53,7 @@ class Collocation {
  private:
   static constexpr int kMaxAttempts = 12;
   static constexpr int kMaxGrazingAttempts = 4;
+  static constexpr int kMaxSwitches = 32;
   /// Growth of exp(b·t) and of the hyperbolic functions within a segment: what the difference of its ends
   /// loses.
   static constexpr double kMaxGrowth = 4.0;
@@ -283,7 +284,7 @@ class Collocation {
     mode_ = gripped ? law.breaks_towards(at_) : ContactMode::grips;
     if (s_.ct == 0.0 && gripped) at_.stretch = c_.slipping_stretch(from_, direction(mode_));
     if (!gripped && !out_.first_grip_tau) out_.first_grip_tau = event_tau_;
-    return switches_ < kMaxContactEvents / 2;
+    return switches_ < kMaxSwitches;
   }
 
   void note_slip_zero(double x) {

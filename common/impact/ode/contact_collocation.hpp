@@ -49,9 +49,8 @@ inline bool collocates(const ContactOptions& options) {
 /// Leaves out what only a summary has.
 ContactLiftOff lift_off_of(const CollocationConstants& constants, const CollocatedContact& contact);
 
-/// Returns nullopt where there are more events than a summary holds.
-std::optional<ContactSummary> summary_of(const CollocationConstants& constants,
-                                         const CollocatedContact& contact, const Segments& segments);
+ContactSummary summary_of(const CollocationConstants& constants, const CollocatedContact& contact,
+                          const Segments& segments);
 
 /// Returns nullopt where the integrator has to take over: a weight, a reference speed, a stiffness for which
 /// the segments would be too many. `segments`, if not null, receives them; `along`: the error control is that

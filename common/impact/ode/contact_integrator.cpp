@@ -5,13 +5,14 @@
 #include <limits>
 
 #include "common/impact/ode/event_location.hpp"
+#include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::impact::detail {
 
 namespace {
 
-constexpr int kMaxSteps = 200'000;
-constexpr double kMaxTime = 400.0;        // about 130 dwell times: gravity holds the ball
+constexpr int kMaxSteps = 1'000'000;
+constexpr double kMaxTime = 400.0;        // about 130 dwell times: at rest but for rounding
 constexpr double kChatteringStep = 1e-7;  // where rounding cannot tell grip from slip
 constexpr double kMaxStep = 0.25;
 constexpr double kMinScale = 1e-200;  // of an energy that is not spent; its inverse is finite
@@ -34,14 +35,23 @@ class ContactIntegrator {
   tl::expected<ContactSummary, InputError> integrate_to_release() {
     derivative_ = derivative(s_, z_, mode_);
     for (int i = 0; i < kMaxSteps; ++i) {
-      if (!step()) return tl::unexpected(InputError::too_many_steps);
+      step();
       if (released_) return summary();
-      if (tau_ > kMaxTime) return tl::unexpected(InputError::no_release);
+      if (tau_ > kMaxTime || is_held()) return tl::unexpected(InputError::no_release);
     }
     return tl::unexpected(InputError::too_many_steps);
   }
 
  private:
+  /// N swings about the weight as a damped oscillator: where it turns above 0 it stays there, and overdamped
+  /// it may come down to the weight without passing it.
+  bool is_held() const {
+    const double excess = s_.normal_force(z_) - s_.gravity, rate = s_.normal_force_rate(z_);
+    if (excess < 0.0) return z_[kDepthRate] < 0.0 && rate >= 0.0;
+    return s_.gravity > 0.0 && s_.zeta >= 1.0 &&
+           rate + (s_.zeta + std::sqrt((s_.zeta - 1.0) * (s_.zeta + 1.0))) * excess >= 0.0;
+  }
+
   /// The footprint's radius starts as a square root of time, which the embedded error estimate sees only in
   /// part: its error in the first step is kept below the tolerance by the step's size.
   double first_size() const {
@@ -52,14 +62,20 @@ class ContactIntegrator {
   }
 
   void set_scales() {
+    // N falls to 0 at a rate of e: the slower, the less of an error the time of release bears.
+    const double e = restitution_of_damping_ratio(s_.zeta);
+    const double normal = std::min(1.0, 10.0 * e * s_.release_phase / (1.0 + 2.0 * s_.zeta));
     const double tangential = s_.tangential_scale();
     const double energy =
         tangential * (std::abs(s_.slip0) + tangential + (s_.delta > 0.0 ? std::abs(s_.w0) : 0.0));
     scale_.fill(tangential);
-    scale_[kDepth] = scale_[kDepthRate] = scale_[kDampingLoss] = 1.0;
+    scale_[kDepth] = scale_[kDepthRate] = scale_[kDampingLoss] = normal;
     scale_[kStretch] = tangential / std::max(1.0, s_.kt);
     scale_[kSlidingLoss] = scale_[kTangentialLoss] = scale_[kOffsetLoss] = std::max(energy, kMinScale);
     for (double& scale : scale_) scale = 1.0 / (scale * kSafety * tolerance_);
+    // The offset turns round within w0 of spin 0.
+    if (s_.delta > 0.0 && s_.ahead == 0.0)
+      scale_[kSpinChange] = std::max(scale_[kSpinChange], 100.0 / s_.w_ref);
   }
 
   struct Event {
@@ -91,8 +107,9 @@ class ContactIntegrator {
            function == EventFunction::sliding;
   }
 
-  /// One step, up to the next event if there is one. Returns false if there is no room for more events.
-  bool step() {
+  /// One step, up to the next event if there is one.
+  void step() {
+    if (is_leaving()) return release();
     const double size = attempt();
     DenseStep dense{
         s_, {tau_, size, mode_, z_, derivative_}, end_, derivative(s_, end_, mode_), &evaluations_};
@@ -127,7 +144,18 @@ class ContactIntegrator {
     }
   }
 
-  bool advance(const DenseStep& dense, double size, const State& end, std::optional<EventFunction> event) {
+  /// N has come to its rounding of 0, where no step finds a change of sign any more.
+  bool is_leaving() const {
+    const EventValue force = event_value(s_, EventFunction::release, mode_, z_);
+    return force.value <= force.noise && s_.normal_force_rate(z_) < 0.0;
+  }
+
+  void release() {
+    released_ = true;
+    add(ContactEventKind::release, tau_);
+  }
+
+  void advance(const DenseStep& dense, double size, const State& end, std::optional<EventFunction> event) {
     record_extrema(dense, size, end);
     if (stored_) {
       stored_->push_back(dense.step);
@@ -141,19 +169,15 @@ class ContactIntegrator {
     update_force_max(z_, tau_, false);
     friction_max_ = std::max(friction_max_, std::abs(s_.friction(z_, mode_)));
     size_ = event ? std::max(size_ - size, 0.1 * size_) : next_size_;
-    if (event == EventFunction::release) {
-      released_ = true;
-      return add(ContactEventKind::release, tau_);
-    }
+    if (event == EventFunction::release) return release();
     if (event == EventFunction::footprint_full || event == EventFunction::footprint_shrinks)
       full_ = event == EventFunction::footprint_full;
     else if (event)
       return switch_mode(*event, false);
     derivative_ = size == dense.step.size ? dense.end_derivative : derivative(s_, z_, mode_);
-    return true;
   }
 
-  bool switch_mode(EventFunction why, bool at_once) {
+  void switch_mode(EventFunction why, bool at_once) {
     if (at_once) ++chattering_;
     const bool was_gripping = mode_ == ContactMode::grips;
     mode_ = why == EventFunction::hold_forward    ? ContactMode::slips_forward
@@ -165,7 +189,7 @@ class ContactIntegrator {
     derivative_ = derivative(s_, z_, mode_);
     ++evaluations_;
     if (!was_gripping && !first_grip_) first_grip_ = tau_;
-    return add(was_gripping ? ContactEventKind::slip : ContactEventKind::grip, tau_);
+    add(was_gripping ? ContactEventKind::slip : ContactEventKind::grip, tau_);
   }
 
   /// Records extrema and sign changes within the step shortened to `size`.
@@ -197,15 +221,7 @@ class ContactIntegrator {
     force_time_ = tau;
   }
 
-  bool add(ContactEventKind kind, double tau) {
-    if (event_count_ == kMaxContactEvents) return false;
-    const ContactEvent event{tau / s_.frequency_radps, kind};
-    // In order of time: function is noted within a step may come before function was noted first.
-    auto place = events_.begin() + event_count_++;
-    for (; place != events_.begin() && (place - 1)->time_s > event.time_s; --place) *place = *(place - 1);
-    *place = event;
-    return true;
-  }
+  void add(ContactEventKind kind, double tau) { add_event(noted_, {tau / s_.frequency_radps, kind}); }
 
   ContactSummary summary() const;
   [[maybe_unused]] bool is_consistent(const ContactSummary& summary) const;
@@ -228,8 +244,7 @@ class ContactIntegrator {
   int steps_ = 0;
   int evaluations_ = 1;
   int reversals_ = 0;
-  int event_count_ = 0;
-  std::array<ContactEvent, kMaxContactEvents> events_{};
+  ContactSummary noted_;  ///< its events
   std::optional<double> first_grip_;
   std::optional<double> slip_zero_;
   double depth_ = 0.0;
@@ -244,7 +259,7 @@ ContactSummary ContactIntegrator::summary() const {
   const double newton = s_.mass_kg * s_.speed_mps * s_.frequency_radps;
   const double joule = s_.mass_kg * s_.speed_mps * s_.speed_mps;
   const double normal_impulse = 1.0 - z_[kDepthRate];
-  ContactSummary out;
+  ContactSummary out = noted_;
   static_cast<ContactLiftOff&>(out) = lift_off_of(s_, z_, tau_);
   out.method = ContactMethod::dormand_prince;
   if (slip_zero_) out.slip_zero_s = *slip_zero_ * second;
@@ -267,8 +282,6 @@ ContactSummary ContactIntegrator::summary() const {
   out.energy.sliding_j = joule * z_[kSlidingLoss];
   out.energy.tangential_damping_j = joule * z_[kTangentialLoss];
   out.energy.offset_j = joule * z_[kOffsetLoss];
-  out.events = events_;
-  out.event_count = event_count_;
   out.steps = steps_;
   out.evaluations = evaluations_;
   assert(is_consistent(out));
@@ -278,9 +291,9 @@ ContactSummary ContactIntegrator::summary() const {
 /// Events are in order of time, and no loss of energy is negative beyond the tolerance of its scale. With a
 /// constant offset losses are not bounded.
 bool ContactIntegrator::is_consistent(const ContactSummary& summary) const {
-  // Speeds are in units of the touchdown's, so each is known to some roundings of 1; the energy of such an
-  // error.
-  constexpr double kRoundedEnergy = 1.3e-29;  // (16 · 2.2e-16)²
+  // Speeds and the normal force are in units of the touchdown's, so each is known to some roundings of 1; the
+  // energy of such an error, and of what it stretches the tangential spring by.
+  const double rounded_energy = 1.3e-29 * (1.0 + s_.mu * s_.mu / s_.kt);  // (16 · 2.2e-16)²
   const auto events = summary.event_list();
   const bool sorted =
       std::is_sorted(events.begin(), events.end(),
@@ -288,7 +301,7 @@ bool ContactIntegrator::is_consistent(const ContactSummary& summary) const {
   if (!sorted || events.empty() || events.back().kind != ContactEventKind::release) return false;
   if (s_.ahead != 0.0) return true;
   for (const Component loss : {kDampingLoss, kSlidingLoss, kTangentialLoss, kOffsetLoss})
-    if (z_[loss] * scale_[loss] < -10.0 / kSafety && z_[loss] < -kRoundedEnergy) return false;
+    if (z_[loss] * scale_[loss] < -10.0 / kSafety && z_[loss] < -rounded_energy) return false;
   return true;
 }
 

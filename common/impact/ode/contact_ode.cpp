@@ -54,7 +54,7 @@ class SummaryOfSegments {
   SummaryOfSegments(const CollocationConstants& c, const CollocatedContact& contact, const Segments& segments)
       : c_(c), s_(c.system), contact_(contact), segments_(segments) {}
 
-  std::optional<ContactSummary> make() {
+  ContactSummary make() {
     if (s_.slip0 == 0.0) slip_zero_tau_ = 0.0;
     for (std::size_t i = 0; i < segments_.count; ++i) {
       const Segment& segment = segments_.all[i];
@@ -65,7 +65,6 @@ class SummaryOfSegments {
     }
     extremes();
     add(ContactEventKind::release, contact_.tau);
-    if (full_) return std::nullopt;
     fill();
     return out_;
   }
@@ -142,14 +141,7 @@ class SummaryOfSegments {
 
   double tau_of(double x) const { return std::min(c_.normal.tau(x), contact_.tau); }
 
-  void add(ContactEventKind kind, double tau) {
-    full_ = full_ || out_.event_count == kMaxContactEvents;
-    if (full_) return;
-    const ContactEvent event{tau / s_.frequency_radps, kind};
-    auto place = out_.events.begin() + out_.event_count++;
-    for (; place != out_.events.begin() && (place - 1)->time_s > event.time_s; --place) *place = *(place - 1);
-    *place = event;
-  }
+  void add(ContactEventKind kind, double tau) { add_event(out_, {tau / s_.frequency_radps, kind}); }
 
   void fill() {
     const double second = 1.0 / s_.frequency_radps, metre = s_.speed_mps * second;
@@ -213,13 +205,12 @@ class SummaryOfSegments {
   ContactSummary out_;
   std::optional<double> slip_zero_tau_;
   double deepest_ = 0.0, largest_ = 0.0, friction_max_ = 0.0;
-  bool full_ = false;
 };
 
 }  // namespace
 
-std::optional<ContactSummary> summary_of(const CollocationConstants& c, const CollocatedContact& contact,
-                                         const Segments& segments) {
+ContactSummary summary_of(const CollocationConstants& c, const CollocatedContact& contact,
+                          const Segments& segments) {
   return SummaryOfSegments(c, contact, segments).make();
 }
 
@@ -242,8 +233,7 @@ tl::expected<ContactSummary, InputError> simulate(const ball::Ball& ball, const 
     if (const auto constants = detail::CollocationConstants::make(*system)) {
       detail::Segments segments;
       const auto contact = detail::collocate(*constants, options.tolerance, true, &segments);
-      if (const auto summary = contact ? detail::summary_of(*constants, *contact, segments) : std::nullopt)
-        return *summary;
+      if (contact) return detail::summary_of(*constants, *contact, segments);
     }
   }
   return detail::integrate(*system, options, nullptr);

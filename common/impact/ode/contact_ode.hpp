@@ -165,8 +165,9 @@ struct ContactSummary : ContactLiftOff {
   ContactEnergy energy;
   std::array<ContactEvent, kMaxContactEvents> events{};
   int event_count = 0;
-  int steps = 0;        ///< collocation: segments
-  int evaluations = 0;  ///< of the right-hand side, those of locating events included
+  int events_left_out = 0;  ///< grips, slips and friction reversals after the 60 that the list has room for
+  int steps = 0;            ///< collocation: segments
+  int evaluations = 0;      ///< of the right-hand side, those of locating events included
 
   std::span<const ContactEvent> event_list() const {
     return {events.data(), static_cast<std::size_t>(event_count)};
@@ -182,9 +183,10 @@ struct ContactOptions {
 /// restitution_out_of_range, friction_negative, spring_out_of_range, offset_out_of_range, dwell_not_positive,
 /// tolerance_out_of_range; magnitude_out_of_range (|vx|, |vy| above 1e9 m/s, |vy| below 1e-15 m/s, |omega|
 /// above 1e9 rad/s, |R·omega| or |vx| above 1e15·|vy|, diameter or mass outside 1e-9…1e9, alpha below 1e-6,
-/// mu, dwell time or gravity beyond the ranges above); no_release (gravity); too_many_steps beyond 64 events
-/// or 200,000 adaptive steps. A reference speed below |vy|/10,000 makes the offset act like dry friction and
-/// may need that many; with 1 m/s or more no contact drawn over the whole range of speeds did.
+/// mu, dwell time or gravity beyond the ranges above); no_release (gravity); too_many_steps (a million
+/// adaptive ones). All of the range is computed where alpha is 0.01 or more and the reference speed
+/// |vy|/10,000 or more; below that a grip may be too stiff, or the offset act like dry friction. Most of the
+/// others are computed too.
 tl::expected<ContactSummary, InputError> simulate(const ball::Ball& ball, const Motion& touchdown,
                                                   const ContactCoefficients& coefficients,
                                                   const ContactOptions& options = {});

@@ -145,6 +145,23 @@ ContactEnergy energy_at_release(const System& s, const State& z, double tau) {
   return e;
 }
 
+void add_event(ContactSummary& summary, const ContactEvent& event) {
+  using Kind = ContactEventKind;
+  // The others come once each, but where rounding repeats a largest force.
+  const bool often =
+      event.kind == Kind::grip || event.kind == Kind::slip || event.kind == Kind::friction_reversal;
+  const int reserved = often ? 4 : event.kind == Kind::release ? 0 : 1;
+  if (summary.event_count >= kMaxContactEvents - reserved) {
+    ++summary.events_left_out;
+    return;
+  }
+  // What is noted within a step may come before what was noted first.
+  auto place = summary.events.begin() + summary.event_count++;
+  for (; place != summary.events.begin() && (place - 1)->time_s > event.time_s; --place)
+    *place = *(place - 1);
+  *place = event;
+}
+
 State derivative(const System& s, const State& z, ContactMode mode) {
   const double normal = s.normal_force(z);
   const double acceleration = s.gravity - normal;

@@ -90,6 +90,8 @@ ContactLiftOff lift_off_of(const System& system, const State& z, double tau);
 /// Likewise, but for what is lost on the way: the kinetic energies, what is left in the springs, the weight's
 /// work.
 ContactEnergy energy_at_release(const System& system, const State& z, double tau);
+/// Puts an event where it belongs in time; grips, slips and reversals that find no room are counted only.
+void add_event(ContactSummary& summary, const ContactEvent& event);
 
 State derivative(const System& system, const State& z, ContactMode mode);
 

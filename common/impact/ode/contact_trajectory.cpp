@@ -30,9 +30,7 @@ std::optional<ContactTrajectory> ContactTrajectory::by_collocation(const detail:
   detail::Segments segments;
   const auto contact = detail::collocate(*out.constants_, tolerance, true, &segments);
   if (!contact) return std::nullopt;
-  const auto summary = detail::summary_of(*out.constants_, *contact, segments);
-  if (!summary) return std::nullopt;
-  out.summary_ = *summary;
+  out.summary_ = detail::summary_of(*out.constants_, *contact, segments);
   out.segments_.assign(segments.all.begin(),
                        segments.all.begin() + static_cast<std::ptrdiff_t>(segments.count));
   return out;

@@ -159,8 +159,13 @@ std::optional<double> find_crossing(const DenseStep& dense, EventFunction functi
   }
   const double high = bracket->high * dense.step.size;
   const double f_high = value_at(high);
-  if (f_high > 0.0) return std::nullopt;
-  if (!(f_low > 0.0)) return high;
+  if (f_high > 0.0) {
+    // Of a long step the interpolant may cross early; its end is no interpolant's.
+    const EventValue end = event_value(dense.system, function, dense.step.mode, dense.end);
+    if (!(end.value < -end.noise)) return std::nullopt;
+    return refine(value_at, high, f_high, dense.step.size, end.value);
+  }
+  if (!(f_low > 0.0)) return 0.0;  // it is zero at the start and known without rounding
   return refine(value_at, low, f_low, high, f_high);
 }
 

@@ -149,7 +149,7 @@ TEST(PhysicsCommands, PredictNamesWhatIsWrongWithAContact) {
   check_refused(predict("10", "12", {}),
                 "predict: vy must be negative: the ball must move towards the surface");
   check_refused(predict("10", "-12", {"--model", "ode", "--ct", "11"}),
-                "predict: e is below 0.001, or a spring or damping ratio is out of its range");
+                "predict: e is below 0.001, kt over k not from 0.001 to 1000, or ct neither 0 nor from 0.01 to 10");
   check_refused(predict("10", "-12", {"--model", "ode", "--ode-tolerance", "2"}),
                 "predict: tolerance is out of its range");
 }
