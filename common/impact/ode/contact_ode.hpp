@@ -165,7 +165,7 @@ struct ContactSummary : ContactLiftOff {
   ContactEnergy energy;
   std::array<ContactEvent, kMaxContactEvents> events{};
   int event_count = 0;
-  int events_left_out = 0;  ///< grips, slips and friction reversals after the 60 that the list has room for
+  int events_left_out = 0;  ///< grips, slips and reversals that the list has no room for
   int steps = 0;            ///< collocation: segments
   int evaluations = 0;      ///< of the right-hand side, those of locating events included
 
@@ -176,7 +176,9 @@ struct ContactSummary : ContactLiftOff {
 
 struct ContactOptions {
   ContactMethod method = ContactMethod::collocation;
-  double tolerance = 1e-9;  ///< error at release relative to the scale of each motion, 1e-12…1e-3
+  /// Error at release relative to the scale of each motion, 1e-12…1e-3. Of 160,000 drawn contacts 16 had
+  /// more: by collocation 2, up to 2.7 times that, by the integrator 14, up to 8 times.
+  double tolerance = 1e-9;
 };
 
 /// One contact, without its trajectory. Errors: not_finite, ball_out_of_range, not_approaching,

@@ -13,6 +13,7 @@
 #include "common/contact/condition_inputs.hpp"
 #include "common/contact/spin_pulse.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
+#include "tests/support/property.hpp"
 #include "tests/support/string_from.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -22,14 +23,17 @@ using contact::SpinPulse;
 using contact::SpinPulseInput;
 using contact::SpinPulseState;
 using impact::InputError;
+using testing::between;
+using testing::holds_of_all;
+using testing::one_in;
+using testing::over_decades;
+using testing::Worst;
 
 namespace {
 
 SpinPulseInput zero_23() {
   return {.ball = {}, .touchdown = {15.62, -6.71, 2.61}, .e = 0.86, .mu = 0.55, .dwell_s = 5.2e-3};
 }
-
-double between(int from, int to) { return 1e-3 * *rc::gen::inRange(from * 1000, to * 1000 + 1); }
 
 SpinPulseInput any_impact() {
   SpinPulseInput in;
@@ -47,31 +51,29 @@ InputError error_of(Change change) {
   return SpinPulse::make(in).error();
 }
 
-void check(bool ok) { CHECK(ok); }
-
 }  // namespace
 
 TEST_GROUP(SpinPulses){};
 
 // The rigid model knows the lift-off without going through the contact.
 TEST(SpinPulses, LeaveAsTheRigidBodyDoes) {
-  check(rc::check([] {
+  CHECK(holds_of_all([](Worst& worst) {
     const SpinPulseInput in = any_impact();
     const auto pulse = SpinPulse::make(in);
     const auto rigid = impact::rigid(in.ball, in.touchdown, in.e, in.mu);
     const SpinPulseState lo = pulse->at_fraction(1.0);
     // Rounding of a dozen operations on terms of at most 100 m/s.
-    RC_ASSERT(std::abs(lo.vx_mps - rigid->lift_off.vx_mps) < 1e-12);
-    RC_ASSERT(std::abs(lo.vy_mps - rigid->lift_off.vy_mps) < 1e-12);
-    RC_ASSERT(std::abs(lo.omega_radps - rigid->lift_off.omega_radps) < 1e-10);
-    RC_ASSERT(std::abs(lo.slip_mps - rigid->slip_lo_mps) < 1e-12);
+    RC_ASSERT(worst.within(std::abs(lo.vx_mps - rigid->lift_off.vx_mps), 1e-12));
+    RC_ASSERT(worst.within(std::abs(lo.vy_mps - rigid->lift_off.vy_mps), 1e-12));
+    RC_ASSERT(worst.within(std::abs(lo.omega_radps - rigid->lift_off.omega_radps), 1e-10));
+    RC_ASSERT(worst.within(std::abs(lo.slip_mps - rigid->slip_lo_mps), 1e-12));
   }));
 }
 
 // Friction acts in the contact line, so alpha·R·omega - vx changes by the offset's moment alone, at every
 // instant; and its integral likewise.
 TEST(SpinPulses, KeepTheirAngularMomentumAboutTheContactLine) {
-  check(rc::check([] {
+  CHECK(holds_of_all([](Worst& worst) {
     SpinPulseInput in = any_impact();
     const double t = between(0, 1);
     in.offset_m = 1e-3 * between(-10, 10);
@@ -80,15 +82,15 @@ TEST(SpinPulses, KeepTheirAngularMomentumAboutTheContactLine) {
     const double arm = in.ball.alpha * in.ball.radius_m(), lever = in.offset_m / in.ball.radius_m();
     const double moment = arm * in.touchdown.omega_radps - in.touchdown.vx_mps;
     const double pushed = lever * (s.vy_mps - in.touchdown.vy_mps);
-    RC_ASSERT(std::abs(arm * s.omega_radps - s.vx_mps - moment - pushed) < 1e-12);
+    RC_ASSERT(worst.within(std::abs(arm * s.omega_radps - s.vx_mps - moment - pushed), 1e-12));
     const double time_s = t * in.dwell_s;
     const double shoved = lever * (s.y_m - in.touchdown.vy_mps * time_s);
-    RC_ASSERT(std::abs(arm * s.rotation_rad - s.x_m - moment * time_s - shoved) < 1e-14);
+    RC_ASSERT(worst.within(std::abs(arm * s.rotation_rad - s.x_m - moment * time_s - shoved), 1e-14));
   }));
 }
 
 TEST(SpinPulses, SlipEverLessUntilTheyRollAndLoseEnergyAllTheWay) {
-  check(rc::check([] {
+  CHECK(holds_of_all([](Worst& worst) {
     const SpinPulseInput in = any_impact();
     const auto pulse = SpinPulse::make(in);
     const auto energy = [&in](const SpinPulseState& s) {
@@ -97,9 +99,9 @@ TEST(SpinPulses, SlipEverLessUntilTheyRollAndLoseEnergyAllTheWay) {
     SpinPulseState last = pulse->at_fraction(0.0);
     for (int i = 1; i <= 50; ++i) {
       const SpinPulseState s = pulse->at_fraction(i / 50.0);
-      RC_ASSERT(std::abs(s.slip_mps) <= std::abs(last.slip_mps) + 1e-13);
+      RC_ASSERT(worst.within(std::abs(s.slip_mps) - std::abs(last.slip_mps), 1e-13));
       RC_ASSERT(s.slip_mps * last.slip_mps >= -1e-24);
-      RC_ASSERT(energy(s) <= energy(last) * (1.0 + 1e-14) + 1e-12);
+      RC_ASSERT(worst.within(energy(s) - energy(last), energy(last) * 1e-14 + 1e-12));
       last = s;
     }
     if (pulse->grip_fraction()) RC_ASSERT(last.slip_mps == 0.0);
@@ -119,6 +121,88 @@ TEST(SpinPulses, AreContinuousAtTheGripWhereFrictionAloneJumps) {
   CHECK(before.fx_n < -10.0);
   DOUBLES_EQUAL(0.0, after.fx_n, 0.0);
   CHECK_EQUAL(Regime::grips, pulse->regime());
+}
+
+// Two states an instant apart: the motion changes by its rates, of which none is above the largest force's.
+TEST(SpinPulses, AreContinuousInTimeAcrossTheGripOfEveryImpact) {
+  CHECK(holds_of_all([](Worst& worst) {
+    SpinPulseInput in = any_impact();
+    in.offset_m = 1e-3 * between(-10.0, 10.0);
+    if (one_in(2)) in.form = impact::PulseForm::simplified;
+    in.e = std::max(in.e, 1e-3);
+    const auto pulse = SpinPulse::make(in);
+    RC_PRE(pulse.has_value() && pulse->grip_fraction().has_value());
+    const double apart = 1e-9, grip = *pulse->grip_fraction();
+    const SpinPulseState a = pulse->at_fraction(std::max(0.0, grip - apart));
+    const SpinPulseState b = pulse->at_fraction(std::min(1.0, grip + apart));
+    // |vy|·pi of the normal velocity over a dwell, mu times that along the surface, 1/alpha times both to the spin.
+    const double radius = in.ball.radius_m(), rates = 3.2 * std::abs(in.touchdown.vy_mps) * (2.0 + 2.0 * in.mu);
+    const double allowed = 2.0 * apart * rates * (1.0 + 1.0 / in.ball.alpha) + 1e-12;
+    const double speeds = std::abs(in.touchdown.vx_mps) + rates + radius * std::abs(in.touchdown.omega_radps);
+    RC_ASSERT(worst.within(std::abs(a.vx_mps - b.vx_mps), allowed));
+    RC_ASSERT(worst.within(radius * std::abs(a.omega_radps - b.omega_radps), allowed));
+    RC_ASSERT(worst.within(std::abs(a.slip_mps - b.slip_mps), 2.0 * allowed));
+    RC_ASSERT(worst.within(std::abs(a.x_m - b.x_m) / in.dwell_s, 4.0 * apart * speeds + 1e-12));
+    RC_ASSERT(worst.within(radius * std::abs(a.rotation_rad - b.rotation_rad) / in.dwell_s, 4.0 * apart * speeds + 1e-12));
+  }));
+}
+
+// Velocities do not know how long a contact takes, and lengths are in proportion to it: down to a nanosecond's part.
+TEST(SpinPulses, OfShorterContactsAreTheSameInLessTime) {
+  CHECK(holds_of_all([](Worst& worst) {
+    SpinPulseInput in = any_impact();
+    in.offset_m = 1e-3 * between(-10.0, 10.0);
+    const double t = between(0.0, 1.0), shorter = over_decades(1e-12, 1.0);
+    const auto a = SpinPulse::make(in);
+    const double dwell_s = in.dwell_s;
+    in.dwell_s *= shorter;
+    const auto b = SpinPulse::make(in);
+    const SpinPulseState p = a->at_fraction(t), q = b->at_fraction(t);
+    // A few roundings of terms of at most 100 m/s, over 5 ms.
+    RC_ASSERT(worst.within(std::abs(p.vx_mps - q.vx_mps), 1e-13));
+    RC_ASSERT(worst.within(in.ball.radius_m() * std::abs(p.omega_radps - q.omega_radps), 1e-13));
+    RC_ASSERT(worst.within(std::abs(p.x_m * shorter - q.x_m), 1e-13 * dwell_s * shorter));
+    RC_ASSERT(worst.within(std::abs(p.y_m * shorter - q.y_m), 1e-13 * dwell_s * shorter));
+  }));
+}
+
+// At the ends of each coefficient: what a rigid body's formulas say of them, and no way to jump there.
+TEST(SpinPulses, GoOverIntoTheirLimits) {
+  CHECK(holds_of_all([](Worst& worst) {
+    const SpinPulseInput in = any_impact();
+    const double radius = in.ball.radius_m(), t = between(0.0, 1.0), small = over_decades(1e-14, 1e-3);
+    const double slip = in.touchdown.vx_mps + radius * in.touchdown.omega_radps, vy = std::abs(in.touchdown.vy_mps);
+    const auto with = [&in](auto change) {
+      SpinPulseInput other = in;
+      change(other);
+      return *SpinPulse::make(other);
+    };
+    // Without friction nothing but the fall changes.
+    const auto smooth = with([](auto& i) { i.mu = 0.0; }).at_fraction(t);
+    RC_ASSERT(smooth.vx_mps == in.touchdown.vx_mps && smooth.omega_radps == in.touchdown.omega_radps);
+    // With a little of it, a little: at most mu·J.
+    const auto nearly = with([small](auto& i) { i.mu = small; }).at_fraction(1.0);
+    RC_ASSERT(worst.within(std::abs(nearly.vx_mps - in.touchdown.vx_mps), 2.0 * small * vy + 1e-13));
+    // With any amount it rolls off: dvx = -s·alpha/(1 + alpha). The grip comes when mu·J·(1 + alpha)/alpha is the slip.
+    const double mu = 1e3 * (1.0 + std::abs(slip)) / vy;
+    const auto rough = with([mu](auto& i) { i.mu = mu; });
+    const double rolling = in.touchdown.vx_mps - slip * in.ball.alpha / (1.0 + in.ball.alpha);
+    RC_ASSERT(rough.grip_fraction().has_value() && *rough.grip_fraction() < 0.02);
+    RC_ASSERT(worst.within(std::abs(rough.at_fraction(1.0).vx_mps - rolling), 1e-12));
+    RC_ASSERT(worst.within(std::abs(rough.at_fraction(1.0).slip_mps), 0.0));
+    // e: of 1 the fall is the mirror of the rise; of 0 it ends at rest; on the way the lift-off is e times the fall.
+    const auto elastic = with([](auto& i) { i.e = 1.0; });
+    RC_ASSERT(worst.within(std::abs(elastic.at_fraction(t).vy_mps + elastic.at_fraction(1.0 - t).vy_mps), 1e-13 * vy));
+    RC_ASSERT(worst.within(std::abs(with([](auto& i) { i.e = 0.0; }).at_fraction(1.0).vy_mps), 1e-13 * vy));
+    RC_ASSERT(worst.within(std::abs(with([small](auto& i) { i.e = small; }).at_fraction(1.0).vy_mps - small * vy),
+                           1e-13 * vy));
+    // An offset's moment adds at most d·J/R to alpha·R·omega, and to vx no more.
+    const auto centred = with([](auto&) {}).at_fraction(1.0);
+    const auto ahead = with([&](auto& i) { i.offset_m = small * radius; }).at_fraction(1.0);
+    const double push = 2.0 * small * vy;
+    RC_ASSERT(worst.within(std::abs(ahead.vx_mps - centred.vx_mps), push + 1e-12));
+    RC_ASSERT(worst.within(radius * std::abs(ahead.omega_radps - centred.omega_radps), push / in.ball.alpha + 1e-12));
+  }));
 }
 
 TEST(SpinPulses, OfAnOffsetForceRollOnWithRollingFriction) {

@@ -9,6 +9,7 @@
 #include "common/impact/ode/contact_system.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
 #include "common/impact/ode/normal_spring.hpp"
+#include "tests/common/contact_ode/reference.hpp"
 #include "tests/support/allocations.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -361,6 +362,51 @@ TEST(ContactOde, NothingIsAllocatedOnTheWay) {
   }
   CHECK_TRUE(done);
   LONGS_EQUAL(0, allocated);
+}
+
+// The tangential spring swings at the root of k_t/k·(1 + 1/alpha), 67.1 times as fast as the normal one, whose contact of
+// e = .67 takes 2.89 of its radians: 61.8 half swings. In 34 digits; the reference's steps are a fiftieth of a swing.
+TEST(ContactOde, AVeryStiffSpringsReversalsAreAllCountedThoughNotAllListed) {
+  const ball::Ball ball{.alpha = 0.285};
+  const ContactCoefficients c{.e = 0.67, .mu = 0.64, .stiffness_ratio = 1000.0, .damping_ratio = 0.01, .offset_share = 0.0};
+  for (const double omega : {2.0, 150.0}) {
+    const Motion touchdown{0.0, -27.2, omega};
+    const auto exact = testing::reference_contact(ball, touchdown, c, 1500);
+    for (const auto method : kMethods) {
+      const auto s = simulate(ball, touchdown, c, {.method = method, .tolerance = 1e-9});
+      CHECK_TRUE(s.has_value());
+      DOUBLES_EQUAL(static_cast<double>(exact.vx_mps), s->lift_off.vx_mps, 1e-9 * 27.2);
+      DOUBLES_EQUAL(static_cast<double>(exact.omega_radps), s->lift_off.omega_radps, 1e-9 * 27.2 / ball.radius_m());
+      CHECK_EQUAL(ContactEventKind::release, s->event_list().back().kind);
+      if (omega != 2.0) continue;  // it grips nearly throughout
+      LONGS_EQUAL(61, s->friction_reversals);
+      CHECK(s->events_left_out > 0);
+      CHECK(s->event_count + s->events_left_out >= 61 + 3);  // and deepest, largest force, release
+    }
+  }
+}
+
+// The rate at which N falls to 0 is e: in the integrator an error of N is many times as long.
+TEST(ContactOde, ALowRestitutionKeepsItsDwellTimeAtACoarseTolerance) {
+  for (double e = 1e-3; e < 0.2; e *= 1.05) {
+    const auto s = simulate(kBall, kShot, {.e = e}, {.method = ContactMethod::dormand_prince, .tolerance = 1e-3});
+    CHECK_TRUE(s.has_value());
+    DOUBLES_EQUAL(5e-3, s->dwell_s, 1e-3 * 5e-3);
+    DOUBLES_EQUAL(8.0 * e, s->lift_off.vy_mps, 1e-3 * 8.0 * e);
+  }
+}
+
+// The slip passes through 0, where there is nothing to grip with.
+TEST(ContactOde, WithoutFrictionAWeightTurnsTheSlipRoundByItself) {
+  for (const double damping : {0.0, 0.75})
+    for (const auto method : kMethods) {
+      ContactCoefficients c = plain(0.0, damping);
+      c.gravity_along_mps2 = -900.0;
+      const auto s = simulate(kBall, {1.0, -8.0, 20.0}, c, {.method = method, .tolerance = 1e-11});
+      CHECK_TRUE(s.has_value());
+      DOUBLES_EQUAL(1.0 - 900.0 * 5e-3, s->lift_off.vx_mps, 1e-10);
+      DOUBLES_EQUAL(20.0, s->lift_off.omega_radps, 1e-10);
+    }
 }
 
 TEST(ContactOde, InputsOutOfRangeAreNamed) {

@@ -17,12 +17,14 @@
 #include "common/impact/ode/normal_spring.hpp"
 #include "common/units/angles.hpp"
 #include "tests/support/floating_point_traps.hpp"
+#include "tests/support/property.hpp"
 #include "tests/support/string_from.hpp"
 
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
 using namespace strobe::impact;
+using strobe::testing::holds_of_all;
 using strobe::testing::raises_exception;
 
 namespace {
@@ -62,13 +64,13 @@ const std::vector<double>& extremes() {
 
 /// An ordinary value of low…high, both ends included.
 double ordinary(double low, double high) {
-  return low + (high - low) * *rc::gen::inRange(0, 1'000'001) / 1e6;
+  return strobe::testing::between(low, high);
 }
 
 /// One time in `rarity` an extreme, else an ordinary value. A failure prints what was drawn, in order.
 double hostile(double low, double high, int rarity = 8) {
   double value = ordinary(low, high);
-  if (*rc::gen::inRange(0, rarity) == 0) {
+  if (strobe::testing::one_in(rarity)) {
     const auto& all = extremes();
     value = all[*rc::gen::inRange<std::size_t>(0, all.size())];
   }
@@ -116,7 +118,7 @@ void check(Call&& call, IsFinite&& all_finite) {
 TEST_GROUP(ImpactExtremes){};
 
 TEST(ImpactExtremes, InOutModels) {
-  CHECK(rc::check("rigid, grip", [] {
+  CHECK(holds_of_all([] {
     const ball::Ball ball = any_ball();
     const Motion m = any_touchdown();
     const Coefficients c = any_coefficients();
@@ -127,7 +129,7 @@ TEST(ImpactExtremes, InOutModels) {
 }
 
 TEST(ImpactExtremes, ModelsByTheirParameters) {
-  CHECK(rc::check("rebound_of", [] {
+  CHECK(holds_of_all([] {
     const auto model =
         *rc::gen::element(ReboundModel::slide_roll, ReboundModel::grip, ReboundModel::grip_offset);
     const Coefficients c = any_coefficients();
@@ -140,7 +142,7 @@ TEST(ImpactExtremes, ModelsByTheirParameters) {
 }
 
 TEST(ImpactExtremes, PulseAndItsInverse) {
-  CHECK(rc::check("SinePulse", [] {
+  CHECK(holds_of_all([] {
     const PulseForm form = any_form();
     const PulseInput in{hostile(-40.0, 40.0), hostile(-40.0, 0.0), hostile(0.0, 1.0),
                         hostile(-2.0, 2.0),   hostile(1e-6, 1.0),  hostile(0.01, 0.2)};
@@ -161,7 +163,7 @@ TEST(ImpactExtremes, PulseAndItsInverse) {
 }
 
 TEST(ImpactExtremes, ReboundThroughThePulse) {
-  CHECK(rc::check("pulse_rebound", [] {
+  CHECK(holds_of_all([] {
     const PulseForm form = any_form();
     const ball::Ball ball = any_ball();
     const Motion m = any_touchdown();
@@ -175,7 +177,7 @@ TEST(ImpactExtremes, ReboundThroughThePulse) {
 }
 
 TEST(ImpactExtremes, ContactSpring) {
-  CHECK(rc::check("normal_spring", [] {
+  CHECK(holds_of_all([] {
     const double mass = hostile(0.01, 0.2), e = hostile(0.0, 1.0), dwell = hostile(1e-6, 1.0);
     check([&] { return damping_ratio_from_restitution(e); }, [](double zeta) { return finite(zeta); });
     check([&] { return normal_spring(mass, e, dwell); },
@@ -186,7 +188,7 @@ TEST(ImpactExtremes, ContactSpring) {
 }
 
 TEST(ImpactExtremes, IntegratedContact) {
-  CHECK(rc::check("simulate", [] {
+  CHECK(holds_of_all([] {
     const ball::Ball ball = any_ball();
     const Motion m = any_touchdown();
     const ContactCoefficients c{.e = hostile(0.05, 1.0, 20),
@@ -229,7 +231,7 @@ void check_finite(Call&& call) {
 /// Numbers as a caller with checked inputs has them: within 1e-30…1e30, but for zero.
 double large_or_small(double low, double high) {
   static constexpr std::array<double, 8> kEnds{0.0, 1e-30, 1e30, -1e-30, -1e30, 1e-15, 1e15, 5e-324};
-  const double value = *rc::gen::inRange(0, 4) == 0 ? kEnds[*rc::gen::inRange<std::size_t>(0, kEnds.size())]
+  const double value = strobe::testing::one_in(4) ? kEnds[*rc::gen::inRange<std::size_t>(0, kEnds.size())]
                                                     : ordinary(low, high);
   RC_LOG() << value << ' ';
   return value;
@@ -240,7 +242,7 @@ double large_or_small(double low, double high) {
 TEST_GROUP(FlightExtremes){};
 
 TEST(FlightExtremes, Ball) {
-  CHECK(rc::check("ball", [] {
+  CHECK(holds_of_all([] {
     const ball::Ball b{hostile(0.02, 0.2), hostile(0.01, 0.2), hostile(0.1, 0.66)};
     const double inner = hostile(0.0, 0.03);
     check_finite([&] {
@@ -252,7 +254,7 @@ TEST(FlightExtremes, Ball) {
 }
 
 TEST(ImpactExtremes, PulseIntegrals) {
-  CHECK(rc::check("pulse integrals", [] {
+  CHECK(holds_of_all([] {
     const double f = hostile(0.0, 10.0), theta = hostile(0.0, 3.1415);
     RC_PRE(f >= 0.0 && f <= 10.0 && theta >= 0.0 && theta <= 3.1415);
     check_finite([&] {
@@ -263,7 +265,7 @@ TEST(ImpactExtremes, PulseIntegrals) {
 }
 
 TEST(FlightExtremes, Angles) {
-  CHECK(rc::check("angles", [] {
+  CHECK(holds_of_all([] {
     const double angle = hostile(-1e4, 1e4);
     RC_PRE(std::isfinite(angle) && std::abs(angle) < 1e300);
     check_finite([&] {
@@ -273,7 +275,7 @@ TEST(FlightExtremes, Angles) {
 }
 
 TEST(FlightExtremes, Parabola) {
-  CHECK(rc::check("parabola", [] {
+  CHECK(holds_of_all([] {
     const flight::Parabola path{{large_or_small(-1.0, 1.0), large_or_small(-1.0, 1.0)},
                                 {large_or_small(-40.0, 40.0), large_or_small(-40.0, 40.0)},
                                 {large_or_small(-10.0, 10.0), large_or_small(-10.0, 10.0)}};
@@ -287,7 +289,7 @@ TEST(FlightExtremes, Parabola) {
 }
 
 TEST(FlightExtremes, DragAndLift) {
-  CHECK(rc::check("forcing", [] {
+  CHECK(holds_of_all([] {
     const ball::Ball ball{ordinary(0.02, 0.2), ordinary(0.01, 0.2), 0.55};
     const Eigen::Vector2d v{large_or_small(-40.0, 40.0), large_or_small(-40.0, 40.0)};
     const double omega = large_or_small(-1e3, 1e3);
@@ -300,7 +302,7 @@ TEST(FlightExtremes, DragAndLift) {
 }
 
 TEST(FlightExtremes, PulseCarriedThroughToSpin) {
-  CHECK(rc::check("SpinPulse", [] {
+  CHECK(holds_of_all([] {
     contact::SpinPulseInput in;
     in.ball = {hostile(0.02, 0.2, 20), hostile(0.01, 0.2, 20), hostile(0.1, 0.66, 20)};
     in.touchdown = {hostile(-40.0, 40.0), hostile(-40.0, 0.0), hostile(-1e3, 1e3)};
@@ -321,7 +323,7 @@ TEST(FlightExtremes, PulseCarriedThroughToSpin) {
 }
 
 TEST(FlightExtremes, ContactAnalysis) {
-  CHECK(rc::check("fit_fractions, pulse_standard_errors", [] {
+  CHECK(holds_of_all([] {
     data::ContactSet set{.name = "any", .rows = {{0.0, 0.0, 0.0, 0.0}, {1.0, 1.0, 0.0, 1.0}}};
     const int rows = *rc::gen::inRange(0, 8);
     for (int i = 0; i < rows; ++i)

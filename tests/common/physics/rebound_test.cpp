@@ -1,12 +1,14 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <rapidcheck.h>
 #include <set>
 #include <string>
 
 #include "common/impact/closed_form/rebound.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
+#include "tests/support/property.hpp"
 #include "tests/support/string_from.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -14,7 +16,12 @@
 using namespace strobe;
 using namespace strobe::impact;
 using ball::Ball;
+using strobe::testing::between;
+using strobe::testing::holds_of_all;
+using strobe::testing::one_in;
+using strobe::testing::sometimes;
 using strobe::testing::thesis_data;
+using strobe::testing::Worst;
 
 namespace {
 
@@ -135,24 +142,15 @@ struct Case {
   Coefficients c;
 };
 
-double between(double low, double high) {
-  // Ends and middle come up often: they are where regimes meet.
-  const int step = *rc::gen::inRange(0, 1'000'001);
-  return low + (high - low) * step / 1e6;
-}
-
-double sometimes_zero(double low, double high) {
-  return *rc::gen::inRange(0, 8) == 0 ? 0.0 : between(low, high);
-}
+double sometimes_zero(double low, double high) { return sometimes(0.0, between(low, high), 8); }
 
 Case any_impact() {
   Case x;
   x.ball = {.diameter_m = between(0.02, 0.3), .mass_kg = 0.0576, .alpha = between(0.2, 2.0 / 3.0)};
   x.in.vx_mps = sometimes_zero(-40.0, 40.0);
   x.in.vy_mps = between(-40.0, -0.01);
-  const int kind = *rc::gen::inRange(0, 6);
   const double radius = x.ball.radius_m();
-  x.in.omega_radps = kind == 0 ? 0.0 : kind == 1 ? -x.in.vx_mps / radius : between(-60.0, 60.0) / radius;
+  x.in.omega_radps = sometimes(0.0, sometimes(-x.in.vx_mps / radius, between(-60.0, 60.0) / radius));
   x.c = {.e = between(0.0, 1.0),
          .mu = sometimes_zero(0.0, 1.5),
          .e_x = sometimes_zero(-1.0, 1.0),
@@ -174,7 +172,7 @@ double speed_scale(const Case& x) {
 TEST_GROUP(ReboundProperties){};
 
 TEST(ReboundProperties, AMirroredImpactReboundsMirrored) {
-  CHECK(rc::check("mirror", [] {
+  CHECK(holds_of_all([] {
     const Case x = any_impact();
     const auto r = *grip(x.ball, x.in, x.c);
     const auto m = *grip(x.ball, {-x.in.vx_mps, x.in.vy_mps, -x.in.omega_radps}, x.c);
@@ -187,60 +185,118 @@ TEST(ReboundProperties, AMirroredImpactReboundsMirrored) {
 
 // Rounding: some ten operations on squares of the speeds.
 TEST(ReboundProperties, NoImpactAddsEnergy) {
-  CHECK(rc::check("energy", [] {
+  CHECK(holds_of_all([](Worst& worst) {
     const Case x = any_impact();
     const auto r = *grip(x.ball, x.in, x.c);
     const double slack = 1e-14 * std::pow(speed_scale(x), 2);
-    RC_ASSERT(tangential_energy(x.ball, r.lift_off) <= tangential_energy(x.ball, x.in) + slack);
+    RC_ASSERT(worst.within(tangential_energy(x.ball, r.lift_off) - tangential_energy(x.ball, x.in), slack));
     RC_ASSERT(std::abs(r.lift_off.vy_mps) <= std::abs(x.in.vy_mps));
   }));
 }
 
 TEST(ReboundProperties, FrictionStaysWithinItsLimitAndTheTorquesBalance) {
-  CHECK(rc::check("friction", [] {
+  CHECK(holds_of_all([](Worst& worst) {
     const Case x = any_impact();
     const auto r = *grip(x.ball, x.in, x.c);
     const double impulse = (1.0 + x.c.e) * std::abs(x.in.vy_mps);
     const double dvx = r.lift_off.vx_mps - x.in.vx_mps, slack = 1e-13 * speed_scale(x);
-    RC_ASSERT(std::abs(dvx) <= x.c.mu * impulse + slack);
+    RC_ASSERT(worst.within(std::abs(dvx) - x.c.mu * impulse, slack));
     const double radius = x.ball.radius_m();
     const double turning = x.ball.alpha * radius * (r.lift_off.omega_radps - x.in.omega_radps);
-    RC_ASSERT(std::abs(turning - (dvx + r.offset_m * impulse / radius)) <= slack);
+    RC_ASSERT(worst.within(std::abs(turning - (dvx + r.offset_m * impulse / radius)), slack));
     RC_ASSERT(std::abs(r.offset_m) <= x.c.offset_m);
     RC_ASSERT(r.offset_m * (x.in.vx_mps - radius * x.in.omega_radps) >= 0.0);
   }));
 }
 
-// The outputs follow the inputs without jumps; where the offset is lessened for energy's sake they may do so
+// Of touchdown, ball and coefficients: the outputs follow the inputs without jumps; where the offset is lessened for energy's sake they may do so
 // as a square root does: sqrt(1e-10) of the speeds, with room for the slopes.
-TEST(ReboundProperties, ReboundsAreContinuousInTheTouchdown) {
-  CHECK(rc::check("continuity", [] {
+TEST(ReboundProperties, ReboundsAreContinuousInEveryInput) {
+  CHECK(holds_of_all([](Worst& worst) {
     const Case x = any_impact();
     const double scale = speed_scale(x), radius = x.ball.radius_m();
     Motion near = x.in;
     near.vx_mps += 1e-10 * scale * *rc::gen::inRange(-1, 2);
     near.vy_mps *= 1.0 + 1e-10 * *rc::gen::inRange(-1, 2);
     near.omega_radps += 1e-10 * scale / radius * *rc::gen::inRange(-1, 2);
+    Case other = x;
+    for (double* input : {&other.ball.alpha, &other.ball.diameter_m, &other.c.e, &other.c.mu, &other.c.e_x,
+                          &other.c.offset_m, &other.c.offset_reference_mps})
+      if (one_in(2)) *input *= 1.0 - 1e-10;
     const auto a = *grip(x.ball, x.in, x.c);
-    const auto b = *grip(x.ball, near, x.c);
+    const auto b = *grip(other.ball, near, other.c);
     const double limit = 1e-3 * scale;
-    RC_ASSERT(std::abs(a.lift_off.vx_mps - b.lift_off.vx_mps) <= limit);
-    RC_ASSERT(radius * std::abs(a.lift_off.omega_radps - b.lift_off.omega_radps) <= limit);
+    RC_ASSERT(worst.within(std::abs(a.lift_off.vx_mps - b.lift_off.vx_mps), limit));
+    RC_ASSERT(worst.within(radius * std::abs(a.lift_off.omega_radps - b.lift_off.omega_radps), limit));
   }));
 }
 
 TEST(ReboundProperties, WithoutAnOffsetAGripTurnsTheSlipIntoItsRestitutionAndASlideNeverReversesIt) {
-  CHECK(rc::check("slip", [] {
+  CHECK(holds_of_all([](Worst& worst) {
     Case x = any_impact();
     x.c.offset_m = 0.0;
     const auto r = *grip(x.ball, x.in, x.c);
     const double slip = x.in.vx_mps + x.ball.radius_m() * x.in.omega_radps;
     const double slack = 1e-13 * speed_scale(x);
     if (r.regime == Regime::grips) {
-      RC_ASSERT(std::abs(r.slip_lo_mps + x.c.e_x * slip) <= slack);
+      RC_ASSERT(worst.within(std::abs(r.slip_lo_mps + x.c.e_x * slip), slack));
     } else {
       RC_ASSERT((r.slip_lo_mps + x.c.e_x * slip) * slip >= -slack * std::abs(slip));
-      RC_ASSERT(std::abs(r.slip_lo_mps) <= std::abs(slip) + slack);
+      RC_ASSERT(worst.within(std::abs(r.slip_lo_mps) - std::abs(slip), slack));
+    }
+  }));
+}
+
+// A unit that is a power of two times another changes exponents only.
+TEST(ReboundProperties, OtherUnitsOfTimeAndLengthGiveTheSameReboundToTheLastBit) {
+  CHECK(holds_of_all([] {
+    const Case x = any_impact();
+    const int time_power = *rc::gen::inRange(-30, 31), length_power = *rc::gen::inRange(-20, 21);
+    const auto speed = [&](double v) { return std::ldexp(v, length_power - time_power); };
+    Case other = x;
+    other.ball.diameter_m = std::ldexp(x.ball.diameter_m, length_power);
+    other.in = {speed(x.in.vx_mps), speed(x.in.vy_mps), std::ldexp(x.in.omega_radps, -time_power)};
+    other.c.offset_m = std::ldexp(x.c.offset_m, length_power);
+    other.c.offset_reference_mps = speed(x.c.offset_reference_mps);
+    const auto a = *grip(x.ball, x.in, x.c), b = *grip(other.ball, other.in, other.c);
+    RC_ASSERT(b.lift_off.vx_mps == speed(a.lift_off.vx_mps));
+    RC_ASSERT(b.lift_off.vy_mps == speed(a.lift_off.vy_mps));
+    RC_ASSERT(b.lift_off.omega_radps == std::ldexp(a.lift_off.omega_radps, -time_power));
+    RC_ASSERT(b.impulse_ratio == a.impulse_ratio);
+    RC_ASSERT(b.offset_m == std::ldexp(a.offset_m, length_power));
+    RC_ASSERT(b.regime == a.regime);
+  }));
+}
+
+// Friction's impulse is the lesser of what it can give, mu·J, and what gripping takes, which does not depend on mu: along
+// a fine scan of mu it grows by no more than J each, and not at all any more once the ball grips. It grows with e as J
+// does until it grips. The height of the rebound grows with e.
+TEST(ReboundProperties, WithoutAnOffsetFrictionGrowsWithMuUntilTheBallGripsAndLiftOffSpeedWithE) {
+  CHECK(holds_of_all([](Worst& worst) {
+    Case x = any_impact();
+    x.c.offset_m = 0.0;
+    const double impulse = (1.0 + x.c.e) * std::abs(x.in.vy_mps), slack = 1e-14 * speed_scale(x);
+    std::optional<Rebound> last;
+    for (int i = 0; i <= 200; ++i) {
+      x.c.mu = 0.01 * i;
+      const Rebound r = *grip(x.ball, x.in, x.c);
+      if (last) {
+        const double step = std::abs(r.impulse_ratio) - std::abs(last->impulse_ratio);
+        RC_ASSERT(worst.within(std::max(-step, step - 0.01) * impulse, slack));
+        if (last->regime == Regime::grips) {
+          RC_ASSERT(r.regime == Regime::grips && r.lift_off.vx_mps == last->lift_off.vx_mps);
+        }
+      }
+      last = r;
+    }
+    for (int i = 0; i < 200; ++i) {
+      x.c.e = 0.005 * i;
+      const Rebound a = *grip(x.ball, x.in, x.c);
+      x.c.e += 0.005;
+      const Rebound b = *grip(x.ball, x.in, x.c);
+      RC_ASSERT(b.lift_off.vy_mps > a.lift_off.vy_mps);
+      const double less = std::abs(a.lift_off.vx_mps - x.in.vx_mps) - std::abs(b.lift_off.vx_mps - x.in.vx_mps);
+      RC_ASSERT(worst.within(less, slack));
     }
   }));
 }
