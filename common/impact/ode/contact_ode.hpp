@@ -176,8 +176,8 @@ struct ContactSummary : ContactLiftOff {
 
 struct ContactOptions {
   ContactMethod method = ContactMethod::collocation;
-  /// Error at release relative to the scale of each motion, 1e-12…1e-3. Of 160,000 drawn contacts 16 had
-  /// more: by collocation 2, up to 2.7 times that, by the integrator 14, up to 8 times.
+  /// Error at release relative to the scale of each motion, 1e-12…1e-3. Of 80,000 drawn contacts 14 had
+  /// more: by collocation 2, up to 2.7 times that, by the integrator 12, up to 8 times.
   double tolerance = 1e-9;
 };
 
