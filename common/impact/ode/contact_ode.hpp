@@ -37,7 +37,7 @@
 // the contact, w0 far below |vy|) or the closed forms do not hold (a weight of a tenth and more of the
 // largest force, dashpots whose stretch decays as the normal force does) the result is dormand_prince's to
 // 1e-12, and says so: its steps may miss how sharply an offset turns round. The energies' sums are good to
-// the tolerance, but not better than 1e-8 of m·|vy| times the speeds that change (1e-5 with tolerances above
+// the tolerance, but not better than 5e-8 of m·|vy| times the speeds that change (1e-5 with tolerances above
 // 3e-8); max_friction_n to the tolerance's root.
 //
 // No allocation in simulate() and lift_off(); thread-safe, real-time safe.
