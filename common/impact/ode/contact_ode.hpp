@@ -177,7 +177,8 @@ struct ContactSummary : ContactLiftOff {
 struct ContactOptions {
   ContactMethod method = ContactMethod::collocation;
   /// Error at release relative to the scale of each motion, 1e-12…1e-3. Of 80,000 drawn contacts 14 had
-  /// more: by collocation 2, up to 2.7 times that, by the integrator 12, up to 8 times.
+  /// more: by collocation 2, up to 2.7 times that, by the integrator 12, up to 8 times; of
+  /// 120,000 others none had more than 12 times it.
   double tolerance = 1e-9;
 };
 
