@@ -13,16 +13,16 @@ namespace {
 /// A true airborne image passes a three-sigma test but once in 740.
 constexpr double kSigmas = 3.0;
 
-/// When a leg's lower edge is at the surface.
-struct PredictedCrossing {
-  double time_s = 0.0;
-  double sd_s = 0.0;
+/// A leg's lower edge as its images have it, and when it is at the surface.
+struct Prediction {
+  LegFit path;
+  double crossing_s = 0.0;
 };
 
 class TimedClassifier {
  public:
-  TimedClassifier(std::span<const TimedHeight> images, double gravity, double reference_variance)
-      : images_(images), gravity_(gravity), reference_variance_(reference_variance), legs_(images.size()) {}
+  TimedClassifier(std::span<const TimedHeight> images, double gravity)
+      : images_(images), gravity_(gravity), legs_(images.size()) {}
 
   LegAssignment classify() {
     for (std::size_t i = 0; i < images_.size(); ++i) legs_[i] = images_[i].leg;
@@ -37,7 +37,9 @@ class TimedClassifier {
   }
 
  private:
-  double sd(std::size_t i) const { return std::sqrt(images_[i].variance_m2 + reference_variance_); }
+  double sd(std::size_t i) const {
+    return std::sqrt(images_[i].variance_m2 + images_[i].reference_variance_m2);
+  }
 
   /// First and last image of the impact: what is labelled contact, else the lowest image.
   std::pair<std::size_t, std::size_t> impact() const {
@@ -68,15 +70,24 @@ class TimedClassifier {
     return indices;
   }
 
-  std::optional<PredictedCrossing> predict(std::span<const std::size_t> indices, Leg leg) const {
-    LegFit fit({0.0, gravity_});
+  std::optional<Prediction> predict(std::span<const std::size_t> indices, Leg leg) const {
+    Prediction p{LegFit({0.0, gravity_})};
     for (const std::size_t i : indices)
-      fit.add(images_[i].time_s, {0.0, images_[i].height_m}, 1.0 / images_[i].variance_m2);
+      p.path.add(images_[i].time_s, {0.0, images_[i].height_m}, 1.0 / images_[i].variance_m2);
     const std::size_t nearest = leg == Leg::incoming ? indices.back() : indices.front();
-    const auto at = crossing(fit, 0.0, images_[nearest].time_s);
+    const auto at = crossing(p.path, 0.0, images_[nearest].time_s);
     if (!at || (at->velocity.y() < 0.0) != (leg == Leg::incoming)) return std::nullopt;
-    const double sd = std::sqrt(fit.position_variance(at->time_s) + reference_variance_);
-    return PredictedCrossing{at->time_s, sd / std::abs(at->velocity.y())};
+    p.crossing_s = at->time_s;
+    return p;
+  }
+
+  /// Beneath touching by more than what is not known of the path at the image's time: of a slow leg that
+  /// grows fast with the time from its other images.
+  bool beneath(const Prediction& p, std::size_t i) const {
+    const double time_s = images_[i].time_s;
+    const double height_m = p.path.path().position_at(time_s - p.path.mean_time_s()).y();
+    const double variance = p.path.position_variance(time_s) + images_[i].reference_variance_m2;
+    return height_m < -kSigmas * std::sqrt(variance);
   }
 
   /// Clearly below touching, whatever the leg's path says: it is predicted without the air.
@@ -95,9 +106,9 @@ class TimedClassifier {
       // wraps below 0: beyond size
       const std::size_t next = incoming ? indices.back() + 1 : indices.front() - 1;
       if (next >= images_.size() || legs_[next]) return;
-      const auto cross = predict(indices, leg);
+      const auto path = predict(indices, leg);
       const bool above =
-          cross ? airborne(images_[next].time_s, cross->time_s, leg) : images_[next].height_m > 0.0;
+          path ? airborne(images_[next].time_s, path->crossing_s, leg) : images_[next].height_m > 0.0;
       if (!above || pressed(next)) return;
       legs_[next] = leg;
     }
@@ -110,10 +121,8 @@ class TimedClassifier {
       if (others.size() < 2) return;
       const std::size_t nearest = leg == Leg::incoming ? others.back() : others.front();
       others.erase(leg == Leg::incoming ? others.end() - 1 : others.begin());
-      const auto cross = predict(others, leg);
-      const double sign = leg == Leg::incoming ? 1.0 : -1.0;
-      const bool overlaps =
-          cross ? sign * (images_[nearest].time_s - cross->time_s) > kSigmas * cross->sd_s : pressed(nearest);
+      const auto path = predict(others, leg);
+      const bool overlaps = path ? beneath(*path, nearest) : pressed(nearest);
       if (!overlaps || images_[nearest].height_m >= 0.0) return;
       legs_[nearest] = found.legs[nearest] = Leg::contact;
       if (images_[nearest].leg == leg) found.overlaps.push_back(nearest);
@@ -122,7 +131,6 @@ class TimedClassifier {
 
   std::span<const TimedHeight> images_;
   double gravity_;
-  double reference_variance_;
   std::vector<std::optional<Leg>> legs_;
 };
 
@@ -146,11 +154,10 @@ bool lowest_is_incoming(std::span<const Eigen::Vector2d> centres, std::size_t lo
 
 }  // namespace
 
-LegAssignment classify_timed(std::span<const TimedHeight> images, double gravity_y_mps2,
-                             double reference_variance_m2) {
+LegAssignment classify_timed(std::span<const TimedHeight> images, double gravity_y_mps2) {
   assert(std::is_sorted(images.begin(), images.end(),
                         [](const TimedHeight& a, const TimedHeight& b) { return a.time_s < b.time_s; }));
-  return TimedClassifier(images, gravity_y_mps2, reference_variance_m2).classify();
+  return TimedClassifier(images, gravity_y_mps2).classify();
 }
 
 std::vector<Leg> classify_untimed(std::span<const Eigen::Vector2d> centres,

@@ -16,9 +16,10 @@ namespace strobe::geometry {
 /// One image whose flash is known.
 struct TimedHeight {
   double time_s = 0.0;
-  double height_m = 0.0;     ///< of the ball's lower edge above the surface line
-  double variance_m2 = 0.0;  ///< of the centre's height
-  std::optional<Leg> leg;    ///< as labelled
+  double height_m = 0.0;               ///< of the ball's lower edge above the surface line
+  double variance_m2 = 0.0;            ///< of the centre's height
+  std::optional<Leg> leg;              ///< as labelled
+  double reference_variance_m2 = 0.0;  ///< of the surface's height beneath it and the ball's radius together
 };
 
 struct LegAssignment {
@@ -32,9 +33,7 @@ struct LegAssignment {
 /// is judged by the predicted time of touchdown or lift-off, never by its own noisy height: choosing by
 /// height would keep the images whose error points up and make the stated errors too small. Only one that
 /// lies three sd beneath touching is in contact whatever the prediction, which leaves out the air.
-/// `reference_variance_m2` is that of the surface's height and the ball's radius together.
-LegAssignment classify_timed(std::span<const TimedHeight> images, double gravity_y_mps2,
-                             double reference_variance_m2);
+LegAssignment classify_timed(std::span<const TimedHeight> images, double gravity_y_mps2);
 
 /// Legs of images whose flashes are not yet known, in order of time; centres in the surface's axes, y up.
 /// Labels are kept, except that a centre below `contact_height` is in contact. Without a label an image

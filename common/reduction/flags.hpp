@@ -21,8 +21,8 @@ enum class Flag {
                    // surface fewer than four points: a bad one could not be found
   no_contact_image,     // no image between touchdown and lift-off
   overlaps_surface,     // an image given as airborne overlaps the surface line and was left out
-  degenerate_geometry,  // no line through the surface, a leg that does not meet it, or no scale: numbers are
-                        // null
+  degenerate_geometry,  // no line through the surface, a leg that does not meet it or may not, or no scale:
+                        // numbers are null
   sd_from_residuals,    // noise was estimated from this shot's residuals; the sd is scaled by Student's t
   shot_aborted,         // outputs went safe before the plan's end
   no_photograph,        // the photograph or its digitized frame did not come in time

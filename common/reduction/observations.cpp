@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/geometry/leg.hpp"
 #include "common/geometry/leg_classification.hpp"
 #include "common/units/angles.hpp"
 
@@ -168,17 +169,18 @@ bool scale_from_diameters(const Observations& all) {
 
 std::vector<Leg> legs_of(const Frame& frame, const Observations& all, FlagSet& flags) {
   if (!all.has_surface()) return std::vector<Leg>(all.images.size(), Leg::incoming);
+  geometry::LinearRegression<double> line;
+  for (const Eigen::Vector2d& p : all.surface_m)
+    line.add(p.x(), p.y(), 1.0 / (all.surface_sd() * all.surface_sd()));
+  const double radius_variance = 0.25 * mean_diameter_variance(all);
   std::vector<geometry::TimedHeight> heights;
   heights.reserve(all.images.size());
   for (std::size_t i = 0; i < all.images.size(); ++i) {
     const Observation& o = all.images[i];
-    heights.push_back(
-        {o.time_s, o.centre_m.y() - 0.5 * all.ball_diameter_m, all.centre_variance(o), frame.images[i].leg});
+    heights.push_back({o.time_s, o.centre_m.y() - 0.5 * all.ball_diameter_m, all.centre_variance(o),
+                       frame.images[i].leg, line.variance_at(o.centre_m.x()) + radius_variance});
   }
-  const double surface_variance =
-      all.surface_sd() * all.surface_sd() / static_cast<double>(all.surface_m.size());
-  const double reference = surface_variance + 0.25 * mean_diameter_variance(all);
-  geometry::LegAssignment found = geometry::classify_timed(heights, all.gravity_mps2.y(), reference);
+  geometry::LegAssignment found = geometry::classify_timed(heights, all.gravity_mps2.y());
   if (!found.overlaps.empty()) flags.set(Flag::overlaps_surface);
   if (std::ranges::find(found.legs, Leg::contact) == found.legs.end()) flags.set(Flag::no_contact_image);
   return std::move(found.legs);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 
+#include "common/reduction/flight_effects.hpp"
 #include "common/reduction/surface_crossing.hpp"
 #include "common/statistics/distributions.hpp"
 #include "common/units/angles.hpp"
@@ -48,6 +50,28 @@ std::vector<GroupRow> group_rows(const ShotFit& fit) {
   }
   return rows;
 }
+
+/// What of a number is a quotient, and by what it is divided.
+struct Quotient {
+  Number of;
+  Number divisor;
+};
+
+/// A quotient is not linear in its divisor: of one within some 20 sd of zero the first order's interval is
+/// too narrow where the divisor came out too large. The quotients that the measurements do not exclude at k
+/// sd (Fieller, J. R. Statist. Soc. B 16, 1954) reach k times this many sd to their far side, for a divisor with
+/// the relative sd `share`. Returns nullopt if they have no end: the divisor may be zero.
+std::optional<double> stretched(double k, double share, double correlation) {
+  const double reach = k * share;
+  const double left = 1.0 - reach * reach;
+  if (!(left > 0.0)) return std::nullopt;
+  const double along = reach * std::abs(correlation);
+  return (along + std::sqrt(left + along * along)) / left;
+}
+
+/// Noise of so many sd must leave a quotient within so many of its stated sd.
+constexpr double kNoise_sd = 4.0;
+constexpr double kHeld_sd = 5.0;
 
 /// Standard deviations of a number with known gradient.
 class Uncertainty {
@@ -105,6 +129,21 @@ class Uncertainty {
     if (!fit_.observations.ball_diameter_sd_m) return air > 0.0 ? std::optional(air) : std::nullopt;
     const double derivative = q.grad[kDiameter] + dot(joint_gradient(q), by_diameter_);
     return std::hypot(derivative * *fit_.observations.ball_diameter_sd_m, air);
+  }
+
+  /// What a quotient's variance lacks to the first order, see stretched(). Returns nullopt if the divisor may
+  /// be zero. `whole_sd`: of the number that it is part of.
+  std::optional<double> lacking_variance(const Quotient& q, double whole_sd) const {
+    const auto sd = statistical(q.of), divisor_sd = statistical(q.divisor);
+    if (!sd || !divisor_sd || !(divisor_sd->sd > 0.0) || !(sd->sd > kNegligibleShareOfSd * whole_sd))
+      return 0.0;
+    const double both = std::sqrt(covariance(q.of, q.of)) * std::sqrt(covariance(q.divisor, q.divisor));
+    if (!(both > 0.0)) return 0.0;
+    const double correlation = std::min(std::abs(covariance(q.of, q.divisor)) / both, 1.0);
+    const auto reach = stretched(kNoise_sd, divisor_sd->sd / std::abs(q.divisor.value), correlation);
+    if (!reach) return std::nullopt;
+    const double factor = std::max(kNoise_sd / kHeld_sd * *reach, 1.0);
+    return (factor - 1.0) * (factor + 1.0) * sd->sd * sd->sd;
   }
 
   double covariance(const Number& a, const Number& b) const {
@@ -195,9 +234,9 @@ class Uncertainty {
 
 class Propagation {
  public:
-  Propagation(const ShotFit& fit, bool by_time, Readout& readout)
-      : fit_(fit), readout_(readout), uncertainty_(fit) {
-    if (by_time) time_response_ = time_response(fit);
+  Propagation(const ShotFit& fit, const PropagationOptions& options, Readout& readout)
+      : fit_(fit), readout_(readout), uncertainty_(fit), widened_(options.widened) {
+    if (options.by_time) time_response_ = time_response(fit);
     readout.by_time.assign(time_response_.size(), {});
   }
 
@@ -222,9 +261,10 @@ class Propagation {
     const SurfaceCrossing& lo = *crossing_[1];
     const Number e = -lo.vy_mps / td.vy_mps;
     const Number lost = td.vx_mps - lo.vx_mps;
-    const Number mu = lost / (lo.vy_mps - td.vy_mps);
-    put(Quantity::e, e);
-    put(Quantity::mu, mu);
+    const Number bounce = lo.vy_mps - td.vy_mps;
+    const Number mu = lost / bounce;
+    put(Quantity::e, e, {{e, td.vy_mps}});
+    put(Quantity::mu, mu, {{mu, bounce}});
     const Number dwell = lo.time_s - td.time_s;
     if (dwell.value > 0.0) {
       put(Quantity::dwell_time_ms, dwell * 1e3);
@@ -232,12 +272,14 @@ class Propagation {
     } else {
       readout_.flags.set(Flag::degenerate_geometry);
     }
-    if (temperature_c) put(Quantity::court_pace, court_pace_rating(e, mu, *temperature_c));
+    if (temperature_c)
+      put(Quantity::court_pace, court_pace_rating(e, mu, *temperature_c),
+          {{e * kRestitutionPoints, td.vy_mps}, {mu * kFrictionPoints, bounce}});
     if (omega_[0]) regime(lost, td.vx_mps + radius(fit_) * *omega_[0]);
-    readout_.court_pace_conforming =
-        temperature_c && omega_[0] &&
-        meets_court_pace_limits(*readout_.value[Quantity::v_td_mps], *readout_.value[Quantity::theta_in_deg],
-                                omega_[0]->value);
+    const auto& v_td = readout_.value[Quantity::v_td_mps];
+    const auto& theta_in = readout_.value[Quantity::theta_in_deg];
+    readout_.court_pace_conforming = temperature_c && omega_[0] && v_td && theta_in &&
+                                     meets_court_pace_limits(*v_td, *theta_in, omega_[0]->value);
   }
 
   /// Of the numbers that the others follow from, if all of them are there.
@@ -246,6 +288,10 @@ class Propagation {
     const std::array<Number, kPrimaryCount> primary{
         crossing_[0]->vx_mps, crossing_[0]->vy_mps, *omega_[0], crossing_[0]->time_s,
         crossing_[1]->vx_mps, crossing_[1]->vy_mps, *omega_[1], crossing_[1]->time_s};
+    constexpr std::array kTold{Quantity::vx_td_mps, Quantity::vy_td_mps, Quantity::vx_lo_mps,
+                               Quantity::vy_lo_mps, Quantity::dwell_time_ms};
+    readout_.covariance.reset();
+    if (widened_ && std::ranges::any_of(kTold, [&](Quantity q) { return !readout_.value[q]; })) return;
     PrimaryCovariance& matrix = readout_.covariance.emplace();
     for (std::size_t i = 0; i < kPrimaryCount; ++i) {
       for (std::size_t k = 0; k < kPrimaryCount; ++k) {
@@ -288,24 +334,56 @@ class Propagation {
 
   void leg(std::size_t leg, const LegQuantities& names) {
     if (const auto& at = crossing_[leg]) {
-      put(names.theta, atan2(at->vy_mps, at->vx_mps) * degrees(1.0));
+      const Number theta = atan2(at->vy_mps, at->vx_mps) * degrees(1.0);
+      const Number v = hypot(at->vx_mps, at->vy_mps);
+      put(names.theta, theta, {{theta, v}});
       put(names.vx, at->vx_mps);
       put(names.vy, at->vy_mps);
-      put(names.v, hypot(at->vx_mps, at->vy_mps));
+      put(names.v, v);
     }
     if (omega_[leg]) put(names.omega, *omega_[leg]);
   }
 
-  void put(Quantity quantity, const Number& number) {
+  /// What of a number hangs on the instants, which are heights over velocities, and the number's own
+  /// quotients. Returns nullopt if one of their divisors may be zero.
+  std::optional<double> lacking_variance(const Number& number, double sd,
+                                         std::initializer_list<Quotient> own) const {
+    double sum = 0.0;
+    const auto add = [&](const Quotient& q) {
+      const auto variance = uncertainty_.lacking_variance(q, sd);
+      sum += variance.value_or(0.0);
+      return variance.has_value();
+    };
+    for (std::size_t leg = 0; leg < 2; ++leg) {
+      const auto& at = crossing_[leg];
+      const double by_instant = number.grad[kInstant[leg]];
+      if (at && by_instant != 0.0 && !add({at->time_s * by_instant, at->vy_mps})) return std::nullopt;
+    }
+    for (const Quotient& q : own)
+      if (!add(q)) return std::nullopt;
+    return sum;
+  }
+
+  void put(Quantity quantity, const Number& number, std::initializer_list<Quotient> quotients = {}) {
     if (!std::isfinite(number.value)) return;
     readout_.value[quantity] = number.value;
     if (const auto statistical = uncertainty_.statistical(number)) {
-      readout_.sd[quantity] = statistical->sd;
+      const auto lacking = widened_ ? lacking_variance(number, statistical->sd, quotients) : 0.0;
+      if (!lacking) return withhold(quantity);
+      readout_.sd[quantity] = std::hypot(statistical->sd, std::sqrt(*lacking));
       readout_.degrees_of_freedom[quantity] = statistical->degrees_of_freedom;
     }
     readout_.sd_systematic[quantity] = uncertainty_.systematic(number);
     for (std::size_t i = 0; i < time_response_.size(); ++i)
       readout_.by_time[i][static_cast<std::size_t>(quantity)] = dot(number.grad, time_response_[i]);
+  }
+
+  void withhold(Quantity quantity) {
+    readout_.flags.set(Flag::degenerate_geometry);
+    for (Quantities* of :
+         {&readout_.value, &readout_.sd, &readout_.sd_systematic, &readout_.degrees_of_freedom})
+      (*of)[quantity].reset();
+    for (TimeDerivatives& of_image : readout_.by_time) of_image[static_cast<std::size_t>(quantity)] = 0.0;
   }
 
   /// What is missing of the change of vx that ends the slip, |slip| alpha / (1 + alpha), against its own sd:
@@ -328,6 +406,7 @@ class Propagation {
   const ShotFit& fit_;
   Readout& readout_;
   Uncertainty uncertainty_;
+  bool widened_;
   std::vector<Response> time_response_;  ///< empty unless asked for
   std::array<std::optional<SurfaceCrossing>, 2> crossing_;
   std::array<std::optional<Number>, 2> omega_;
@@ -336,11 +415,21 @@ class Propagation {
 }  // namespace
 
 Crossings propagate(const ShotFit& fit, const PropagationOptions& options, Readout& readout) {
-  Propagation propagation(fit, options.by_time, readout);
+  Propagation propagation(fit, options, readout);
   propagation.legs();
   propagation.impact(options.temperature_c);
   if (options.covariance) propagation.covariance();
   return propagation.crossings();
+}
+
+bool may_lack_variance(const Numbers& numbers) {
+  // stretched() is at most 1 / (1 - k share).
+  constexpr double kShare = (1.0 - kNoise_sd / kHeld_sd) / kNoise_sd;
+  constexpr std::array kDivisors{Quantity::v_td_mps, Quantity::vy_td_mps, Quantity::v_lo_mps,
+                                 Quantity::vy_lo_mps};
+  return std::ranges::any_of(kDivisors, [&](Quantity q) {
+    return numbers.sd[q] && !(*numbers.sd[q] <= kShare * std::abs(*numbers.value[q]));
+  });
 }
 
 }  // namespace strobe::reduction

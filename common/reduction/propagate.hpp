@@ -16,6 +16,9 @@ struct PropagationOptions {
   std::optional<double> temperature_c;  ///< for the court pace
   bool covariance = false;              ///< fill Readout::covariance
   bool by_time = false;                 ///< fill Readout::by_time
+  /// Widen the sds of numbers with a divisor near zero, beyond the first order, and withhold those without an
+  /// end: for the numbers that are told; what the fit decides goes by the first order.
+  bool widened = false;
 };
 
 /// Touchdown and lift-off, where there is one, in the observations' time. [s]
@@ -26,6 +29,10 @@ using Crossings = std::array<std::optional<double>, 2>;
 /// sd is first order (delta method) with exact derivatives, through the full covariance, which is held as a
 /// triangular factor R: the variance of a number with gradient g is |R^-T g|^2.
 Crossings propagate(const ShotFit& fit, const PropagationOptions& options, Readout& readout);
+
+/// Whether PropagationOptions::widened would change anything: some velocity or speed is within 20 sd of zero.
+/// The mean of the velocities across the surface is then no nearer to zero, in its sds, than both are.
+bool may_lack_variance(const Numbers& numbers);
 
 /// Court pace rating of the International Tennis Federation, test methods ITF CS 01/02: points for each 1 of
 /// friction and of restitution less.

@@ -173,6 +173,8 @@ struct Readout : Numbers {
   std::optional<Regime> regime;
   bool court_pace_conforming = false;
   std::string method;  ///< "best", "two-point", "legacy"
+  /// The ball travelled to the left, by more than a twentieth of its way across the surface (3 degrees); x
+  /// points to the left. Otherwise x points to the right, and vx is negative where it yet went left.
   bool mirrored = false;
   FlagSet flags;
   ResidualRatios residual_ratios;           ///< only with method "best"

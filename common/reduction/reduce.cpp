@@ -113,6 +113,16 @@ void add_map_errors(const ShotFit& fit, const PropagationOptions& options, const
   add_to_sd(variance, readout);
 }
 
+/// What is told, once the fit stands.
+void finish(const ShotFit& fit, PropagationOptions options, const Crossings& crossings, Readout& readout) {
+  if (may_lack_variance(readout)) {
+    options.widened = true;
+    propagate(fit, options, readout);
+  }
+  add_map_errors(fit, options, crossings, readout);
+  withhold_doubtful(readout);
+}
+
 Readout two_point_readout(const Frame& frame, const PropagationOptions& propagation,
                           std::optional<ShotFit>& fitted) {
   Readout readout = empty_readout(frame, Estimator::two_point);
@@ -124,9 +134,8 @@ Readout two_point_readout(const Frame& frame, const PropagationOptions& propagat
       std::move(*observations), {.effects = flight::kNoEffects, .reject_outliers = false}, readout.flags));
   readout.mirrored = fit.observations.surface.mirrored;
   const Crossings crossings = propagate(fit, propagation, readout);
-  add_map_errors(fit, propagation, crossings, readout);
   if (spins_in_doubt(readout, fit)) readout.flags.set(Flag::spin_aliased);
-  withhold_doubtful(readout);
+  finish(fit, propagation, crossings, readout);
   return readout;
 }
 
@@ -204,7 +213,6 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation, 
   const Crossings crossings = propagate(fit, propagation, reduced);
   if (!spins_open && (reduced.flags.has(Flag::spin_aliased) || spins_in_doubt(reduced, fit)))
     return best_readout(frame, propagation, options, fitted, true);
-  withhold_doubtful(reduced);
   reduced.flight_effects = fit.effects;
   flight::Effects kept =
       options.effects ? fit.effects : significant_effects(reduced, fit, crossings, fit.effects);
@@ -214,13 +222,12 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation, 
     kept.drag = kept.magnus = false;
   }
   if (kept == fit.effects) {
-    add_map_errors(fit, propagation, crossings, reduced);
+    finish(fit, propagation, crossings, reduced);
     return reduced;
   }
   refit(fit, kept);
   const Crossings again = propagate(fit, propagation, readout);
-  add_map_errors(fit, propagation, again, readout);
-  withhold_doubtful(readout);
+  finish(fit, propagation, again, readout);
   readout.flight_effects = kept;
   return readout;
 }

@@ -144,7 +144,10 @@ std::optional<SurfaceCrossing> crossing(const ShotFit& fit, std::size_t leg) {
   }
   const Eigen::Vector2d& j = p.forcing.jerk_mps3;
   Number time = t;
-  if (surface) time = -1.0 / there.y() * (p.height_m + p.vy_mps * t + ay * (0.5 * t * t));
+  if (surface) {
+    time = -1.0 / there.y() * (p.height_m + p.vy_mps * t + ay * (0.5 * t * t));
+    time.grad[kInstant[leg]] = 1.0;
+  }
   time.value = t;
   // By the chain rule through the crossing's time.
   Number x = p.x_m + p.vx_mps * t + ax * (0.5 * t * t);

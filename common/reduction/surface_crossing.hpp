@@ -86,12 +86,14 @@ Dual<N> atan2(const Dual<N>& y, const Dual<N>& x) {
 }
 
 // Variables of the derivatives: the joint fit's unknowns, both spins, the ball's diameter, the spin's decay,
-// and the errors of the air.
+// the errors of the air, and the instants of touchdown and lift-off. The latter hang on the others: they tell
+// what of a number does so through them.
 inline constexpr std::size_t kSpin[2] = {kJointCount, kJointCount + 1};
 inline constexpr std::size_t kDiameter = kJointCount + 2;
 inline constexpr std::size_t kDecay = kJointCount + 3;
 inline constexpr std::size_t kAir = kJointCount + 4;  // the first of AirErrors
-using Number = Dual<kAir + kAirErrorCount>;
+inline constexpr std::size_t kInstant[2] = {kAir + kAirErrorCount, kAir + kAirErrorCount + 1};
+using Number = Dual<kAir + kAirErrorCount + 2>;
 using Response = decltype(Number::grad);
 
 /// A leg where its centre is one radius above the surface, in the surface's axes. Of a photograph without a

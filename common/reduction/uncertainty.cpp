@@ -61,7 +61,7 @@ void drop_rounding(const Readout& readout, BudgetSource& source) {
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
     const double sd = std::hypot(readout.sd[q].value_or(0.0), readout.sd_systematic[q].value_or(0.0));
-    if (std::abs(source.effect[i]) < kNoEffect * sd) source.effect[i] = 0.0;
+    if (!readout.value[q] || std::abs(source.effect[i]) < kNoEffect * sd) source.effect[i] = 0.0;
   }
 }
 
