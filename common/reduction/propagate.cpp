@@ -59,8 +59,8 @@ struct Quotient {
 
 /// A quotient is not linear in its divisor: of one within some 20 sd of zero the first order's interval is
 /// too narrow where the divisor came out too large. The quotients that the measurements do not exclude at k
-/// sd (Fieller, J. R. Statist. Soc. B 16, 1954) reach k times this many sd to their far side, for a divisor with
-/// the relative sd `share`. Returns nullopt if they have no end: the divisor may be zero.
+/// sd (Fieller, J. R. Statist. Soc. B 16, 1954) reach k times this many sd to their far side, for a divisor
+/// with the relative sd `share`. Returns nullopt if they have no end: the divisor may be zero.
 std::optional<double> stretched(double k, double share, double correlation) {
   const double reach = k * share;
   const double left = 1.0 - reach * reach;
@@ -294,9 +294,9 @@ class Propagation {
     if (widened_ && std::ranges::any_of(kTold, [&](Quantity q) { return !readout_.value[q]; })) return;
     PrimaryCovariance& matrix = readout_.covariance.emplace();
     for (std::size_t i = 0; i < kPrimaryCount; ++i) {
-      for (std::size_t k = 0; k < kPrimaryCount; ++k) {
-        matrix[i][k] = uncertainty_.covariance(primary[i], primary[k]);
-      }
+      // Sums in another order would differ by rounding.
+      for (std::size_t k = 0; k <= i; ++k)
+        matrix[i][k] = matrix[k][i] = uncertainty_.covariance(primary[i], primary[k]);
     }
     assert(is_covariance(matrix));
   }

@@ -201,7 +201,9 @@ AirError lift_error(const ShotFit& fit, std::size_t leg, double fastest_radps) {
   // Uniform between the fastest topspin and backspin.
   if (!spin) return {0.0, lift(fastest_radps) / std::numbers::sqrt3, true};
   const double as_fitted = lift(spin->omega_radps);
-  const double by_spin = lift(spin->omega_radps + std::sqrt(spin->variance)) - as_fitted;
+  // Away from zero, so that topspin and backspin are mirror images.
+  const double more = std::copysign(std::sqrt(spin->variance), spin->omega_radps);
+  const double by_spin = lift(spin->omega_radps + more) - as_fitted;
   if (!fit.spins_open || spin->alternatives_radps.empty())
     return {0.0, std::hypot(by_spin, flight::kLiftCoefficientShareSd * as_fitted), false};
   RunningStatistics lifts;
