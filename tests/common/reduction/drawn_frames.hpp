@@ -1,5 +1,5 @@
-// Frames of bounces and of single flights, drawn by rapidcheck over all that a frame may state, for properties that hold
-// of any of them.
+// Frames of bounces and of single flights, drawn by rapidcheck over all that a frame may state, for properties that
+// hold of any of them.
 #pragma once
 
 #include <array>

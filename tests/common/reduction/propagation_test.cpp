@@ -470,9 +470,9 @@ TEST(DivisorsNearZero, WithinFourSdOfZeroGiveNoNumber) {
   CHECK_FALSE(r.covariance.has_value());
 }
 
-// Slow and grazing legs of few images, digitized by hand. Noise that leaves a leg within 4 sd, which it does but once in
-// 16,000, leaves its numbers within 5 of theirs: in 4,000 shots half a leg is expected beyond; more than 5 are once in
-// 10^5 runs. By the first order alone some fifty shots are.
+// Slow and grazing legs of few images, digitized by hand. Noise that leaves a leg within 4 sd, as all but one in 16,000,
+// leaves its numbers within 5 of theirs: in 4,000 shots half a leg is expected beyond; more than 5 are once in 10^5
+// runs. By the first order alone some fifty shots are.
 TEST(DivisorsNearZero, KeepStatedSdsTrueOnSlowAndGrazingLegs) {
   constexpr int kShots = testing::repetitions(4000);
   test::Random random{seed()};
