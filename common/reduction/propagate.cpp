@@ -135,15 +135,16 @@ class Uncertainty {
   /// be zero. `whole_sd`: of the number that it is part of.
   std::optional<double> lacking_variance(const Quotient& q, double whole_sd) const {
     const auto sd = statistical(q.of), divisor_sd = statistical(q.divisor);
-    if (!sd || !divisor_sd || !(divisor_sd->sd > 0.0) || !(sd->sd > kNegligibleShareOfSd * whole_sd))
-      return 0.0;
+    const double negligible_sd = kNegligibleShareOfSd * whole_sd;
+    if (!sd || !divisor_sd || !(divisor_sd->sd > 0.0) || !(sd->sd > negligible_sd)) return 0.0;
     const double both = std::sqrt(covariance(q.of, q.of)) * std::sqrt(covariance(q.divisor, q.divisor));
     if (!(both > 0.0)) return 0.0;
     const double correlation = std::min(std::abs(covariance(q.of, q.divisor)) / both, 1.0);
     const auto reach = stretched(kNoise_sd, divisor_sd->sd / std::abs(q.divisor.value), correlation);
     if (!reach) return std::nullopt;
     const double factor = std::max(kNoise_sd / kHeld_sd * *reach, 1.0);
-    return (factor - 1.0) * (factor + 1.0) * sd->sd * sd->sd;
+    // From nothing on, where the part begins to count.
+    return (factor - 1.0) * (factor + 1.0) * (sd->sd - negligible_sd) * (sd->sd + negligible_sd);
   }
 
   double covariance(const Number& a, const Number& b) const {

@@ -230,6 +230,8 @@ TEST(ReductionProperties, TheLinesOfTheBudgetAddUpToTheSds) {
       for (std::size_t i = 0; i < kQuantityCount; ++i) {
         const auto q = static_cast<Quantity>(i);
         if (!numbers.sd[q]) continue;
+        const bool spin = q == Quantity::omega_td_radps || q == Quantity::omega_lo_radps || q == Quantity::slip_lo_mps;
+        if (spin && !divisors_are_beyond(100.0, numbers)) continue;
         const auto freedom = numbers.degrees_of_freedom[q];
         if (freedom && !frame.map_errors.empty()) continue;  // Student's factor is of one part of the sd
         double sum = 0.0;
