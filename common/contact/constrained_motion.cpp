@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <vector>
 
 namespace strobe::contact {
@@ -60,11 +61,12 @@ using Eigen::VectorXd;
 
 /// Counting each degree of freedom 1.4 times keeps GCV from following the noise of few images (Kim and Gu).
 constexpr double kDegreesWeight = 1.4;
+/// Degrees of freedom.
+constexpr double kLeastTold = 0.5;
 
 Result<void> check(std::span<const double> t, std::span<const double> y, const EndConditions& e,
                    const SplineOptions& o) {
   if (t.size() != y.size()) return fail("a constrained fit needs as many times as values");
-  if (t.size() < 3) return fail("a constrained fit needs at least three images");
   const auto finite = [](double v) { return std::isfinite(v) && std::abs(v) < 1e100; };
   for (const double v : y)
     if (!finite(v)) return fail("a constrained fit needs finite numbers below 1e100");
@@ -73,6 +75,8 @@ Result<void> check(std::span<const double> t, std::span<const double> y, const E
     if (!finite(v)) return fail("a constrained fit needs finite numbers below 1e100");
   for (const double v : t)
     if (!(v >= 0.0 && v <= 1.0)) return fail("a constrained fit needs time fractions from 0 to 1");
+  if (std::set<double>(t.begin(), t.end()).size() < 3)
+    return fail("a constrained fit needs images at three different times");
   if (o.intervals < 1 || o.intervals > 32) return fail("a constrained fit takes 1 to 32 intervals");
   if (o.noise_sd && *o.noise_sd <= 0.0) return fail("the noise of a constrained fit must be positive");
   if (o.smoothing && *o.smoothing <= 0.0) return fail("the smoothing of a constrained fit must be positive");
@@ -119,10 +123,11 @@ class SplineFitter {
     out.coefficients_.assign(c.begin(), c.end());
     const MatrixXd inverse =
         s.r.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(s.r.rows(), s.r.cols()));
-    const MatrixXd root = options_.noise_sd.value_or(out.residual_sd_) * null_space_ * inverse;
+    const bool told = options_.smoothing || s.parameters >= kLeastTold;
+    const MatrixXd root = (told ? options_.noise_sd.value_or(out.residual_sd_) : 0.0) * null_space_ * inverse;
     out.covariance_factor_.assign(root.reshaped().begin(), root.reshaped().end());
     for (const auto& [row, sd] : {std::pair{2, ends_.slope_td.sd}, std::pair{3, ends_.slope_lo.sd}}) {
-      const VectorXd change = particulars_.col(row) * sd;
+      const VectorXd change = particulars_.col(row) * (told ? sd : 0.0);
       const VectorXd moved = change + null_space_ * solve(weight, change, VectorXd::Zero(n_)).free;
       out.end_slope_factor_.insert(out.end_slope_factor_.end(), moved.begin(), moved.end());
     }

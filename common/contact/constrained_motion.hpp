@@ -56,7 +56,9 @@ class ConstrainedSpline {
   /// order 0…2; t is clamped to 0…1.
   double derivative(double t, int order) const { return derivative_with_sd(t, order).value; }
 
-  /// Bayesian band (it includes the smoothing's bias on average) and the end slopes' sds.
+  /// Bayesian band (it includes the smoothing's bias on average) and the end slopes' sds. The sd is 0 where
+  /// it is not known: the weight was chosen such that the images tell less than half a degree of freedom, or
+  /// leave none.
   ValueSd derivative_with_sd(double t, int order) const;
 
   double smoothing() const { return smoothing_; }
@@ -75,7 +77,7 @@ class ConstrainedSpline {
 };
 
 /// Fits the values y at the times t (interior images; what lies outside 0…1 is refused). Fails unless there
-/// are as many t as y, at least three of them, all finite.
+/// are as many t as y, three different t at least, all finite.
 Result<ConstrainedSpline> fit_constrained_spline(std::span<const double> t, std::span<const double> y,
                                                  const EndConditions& ends,
                                                  const SplineOptions& options = {});
@@ -97,8 +99,8 @@ struct ConstrainedMotion {
 Result<void> check(const ContactScale& scale);
 
 /// Fits the images between the end points within 0…1. y is the top of the ball, which is not the centre of
-/// mass. A spline is absent where fewer than three images are left for it. `no_force` also holds all three to
-/// zero force (and torque) at both ends. Errors: those of check().
+/// mass. A spline is absent where the images left for it are at fewer than three times. `no_force` also holds
+/// all three to zero force (and torque) at both ends. Errors: those of check().
 Result<ConstrainedMotion> fit_constrained_motion(const data::ContactSet& set, const ContactScale& scale,
                                                  const EndVelocities& ends, bool no_force = true,
                                                  const SplineOptions& options = {});

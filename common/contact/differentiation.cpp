@@ -106,7 +106,7 @@ Result<CubicFit> fit_cubic(std::span<const double> t, std::span<const double> y)
   Eigen::Map<Eigen::Vector4d>(fit.coefficients.data()) = coefficients;
   Eigen::Map<RowMajor4>(fit.covariance_factor_.data()) = root;
   if (total > 0.0) fit.r_squared = 1.0 - residual / total;
-  if (n > 4) {
+  if (n > 4 && std::sqrt(residual) > data::kRounding * about.norm()) {
     fit.residual_sd = std::sqrt(residual / static_cast<double>(n - 4));
     const Eigen::Vector4d errors = *fit.residual_sd * (shift * root).rowwise().norm();
     fit.standard_errors.emplace();

@@ -26,12 +26,13 @@ struct DesignCondition {
 class CubicFit {
  public:
   std::array<double, 4> coefficients{};  ///< of powers of t, constant first
-  /// Of each coefficient, residual variance with n - 4 degrees of freedom; absent for n = 4.
+  /// Of each coefficient, residual variance with n - 4 degrees of freedom; absent for n = 4 and where the
+  /// residuals are rounding: nothing then tells how uncertain the values are.
   std::optional<std::array<double, 4>> standard_errors;
   /// 1 - residual over total sum of squares; absent when all values are equal.
   std::optional<double> r_squared;
   int n = 0;
-  std::optional<double> residual_sd;  ///< root of the residual variance; absent for n = 4
+  std::optional<double> residual_sd;  ///< root of the residual variance; absent as the standard errors
   DesignCondition condition;
 
   double value(double t) const { return derivative(t, 0); }
@@ -39,8 +40,8 @@ class CubicFit {
   double curvature(double t) const { return derivative(t, 2); }
   double derivative(double t, int order) const;  ///< order 0…3
 
-  /// The sd is propagated from the residuals: it holds if they are noise and the curve is a cubic; 0 for n =
-  /// 4.
+  /// The sd is propagated from the residuals: it holds if they are noise and the curve is a cubic; 0 without
+  /// a residual sd.
   ValueSd derivative_with_sd(double t, int order) const;
 
  private:
@@ -136,7 +137,7 @@ struct ErrorGrowth {
   double force_at_ends = 0.0;  ///< the larger of the force's sds at touchdown and lift-off, over the same rms
 };
 
-/// Returns nullopt for a fit of four rows (which has no sd) and for a curve that is zero.
+/// Returns nullopt for a fit without a residual sd and for a curve that is zero.
 std::optional<ErrorGrowth> error_growth(const CubicFit& fit);
 
 }  // namespace strobe::contact

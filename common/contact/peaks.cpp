@@ -171,7 +171,8 @@ Result<DropRatio> drop_ratio(const data::ContactSet& set, const SpinPulseInput& 
     squares += std::pow(row.y_fraction * input.ball.diameter_m - scaled, 2);
   }
   out.see_m = std::sqrt(squares / (out.n - 1));
-  out.sd_images = out.see_m / std::sqrt(drop.sum_squares);
+  if (out.see_m > data::kRounding * std::abs(out.ratio) * std::sqrt(drop.sum_squares))
+    out.sd_images = out.see_m / std::sqrt(drop.sum_squares);
   const ValueSd depth = best->deformation.size;
   const double diameter_share = sd.diameter_m / input.ball.diameter_m;
   out.sd_inputs = std::abs(out.ratio) * std::hypot(depth.sd / depth.value, diameter_share);

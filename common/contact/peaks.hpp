@@ -43,10 +43,10 @@ tl::expected<Peaks, impact::InputError> peaks(const SpinPulseInput& input, const
 /// between the end points best, sum(y·Y)/sum(Y²).
 struct DropRatio {
   double ratio = 0.0;
-  double sd_images = 0.0;  ///< from the residuals of the images
-  double sd_inputs = 0.0;  ///< from the sds given, of the pulse and of the diameter
-  double see_m = 0.0;      ///< about the scaled pulse, N - 1 degrees of freedom
-  double depth_m = 0.0;    ///< ratio · the pulse's depth: the measured deformation of the top
+  std::optional<double> sd_images;  ///< from the residuals of the images; absent where these are rounding
+  double sd_inputs = 0.0;           ///< from the sds given, of the pulse and of the diameter
+  double see_m = 0.0;               ///< about the scaled pulse, N - 1 degrees of freedom
+  double depth_m = 0.0;             ///< ratio · the pulse's depth: the measured deformation of the top
   int n = 0;
 };
 

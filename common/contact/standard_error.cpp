@@ -78,7 +78,8 @@ std::optional<RotationErrors> rotation_errors(const Angles& a, double own_total_
   out.n = static_cast<int>(a.fraction.size());
   out.own_total = rotation_error(a, own_total_rad);
   out.fitted_total = rotation_error(a, qp / qq);
-  out.fitted_total_sd_rad = out.fitted_total.see_rad / std::sqrt(qq);
+  if (out.fitted_total.see_rad > data::kRounding * std::sqrt(pp))
+    out.fitted_total_sd_rad = out.fitted_total.see_rad / std::sqrt(qq);
   if (pp > 0.0) out.r_squared = (qp / qq) * (qp / pp);
   if (scale.total_rotation_rad) out.given_total = rotation_error(a, *scale.total_rotation_rad);
   return out;

@@ -56,7 +56,7 @@ struct RotationErrors {
   RotationError own_total;
   /// The total that fits best, sum(q·phi)/sum(q²) over the images between the end points, with its sd.
   RotationError fitted_total;
-  double fitted_total_sd_rad = 0.0;
+  std::optional<double> fitted_total_sd_rad;  ///< absent where the images scatter by rounding alone
   /// Fraction of the trajectory's squared rotation (about the touchdown's angle) that the images follow, 0…1.
   double r_squared = 0.0;
   std::optional<RotationError> given_total;  ///< with FractionScale::total_rotation_rad

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "common/data/csv.hpp"
 
@@ -15,9 +16,9 @@ constexpr std::array<std::string_view, 4> kColumns{"time_fraction", "x_fraction"
 /// Measured fractions of rotation reach some units (backspin); sums of squares stay finite.
 constexpr double kMaxFraction = 1e6;
 
-/// A file of milliseconds is refused.
-constexpr double kMinTime = -0.5;
-constexpr double kMaxTime = 1.5;
+/// Beyond the contact by what touchdown and lift-off may be off; any further the ball is in the air.
+constexpr double kMinTime = -0.05;
+constexpr double kMaxTime = 1.05;
 
 Result<ContactRow> parse_row(const CsvRow& row, std::string_view source) {
   std::array<double, 4> values{};
@@ -29,7 +30,7 @@ Result<ContactRow> parse_row(const CsvRow& row, std::string_view source) {
     values[i] = *value;
   }
   if (values[0] < kMinTime || values[0] > kMaxTime)
-    return csv_error(source, row.line, kColumns[0], "must be from -0.5 to 1.5");
+    return csv_error(source, row.line, kColumns[0], "must be from -0.05 to 1.05: 0 is touchdown, 1 lift-off");
   return ContactRow{values[0], values[1], values[2], values[3]};
 }
 
@@ -48,10 +49,13 @@ Result<ContactSet> parse_contact_csv(std::string_view text, std::string_view sou
   if (!rows) return tl::unexpected(rows.error());
   if (rows->empty()) return csv_error(source, 1, "", "has no rows below the header");
   ContactSet set{.name = std::string(source), .rows = {}};
+  std::set<std::array<double, 4>> seen;
   for (const CsvRow& cells : *rows) {
     const auto row = parse_row(cells, source);
     if (!row) return tl::unexpected(row.error());
-    set.rows.push_back(*row);
+    const bool added =
+        seen.insert({row->time_fraction, row->x_fraction, row->y_fraction, *row->rotation_fraction}).second;
+    added ? set.rows.push_back(*row) : void(++set.repeated);
   }
   return set;
 }

@@ -1,4 +1,6 @@
 // strobe contact: the images in contact against the damped sine pulse and cubic fits.
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
@@ -276,7 +278,12 @@ int run_contact(const ContactOptions& options) {
   const auto job = prepare(options);
   if (!job) return bad_input(job.error().message);
   const auto report = analyse(*job);
-  if (!report) return bad_input(options.set + ": " + report.error().message);
+  if (!report) {
+    const int repeated = job->set.repeated;
+    return bad_input(
+        options.set + ": " + report.error().message +
+        (repeated > 0 ? fmt::format(" ({} rows repeat others and do not count)", repeated) : ""));
+  }
   options.json ? print_contact_json(*job, *report) : print_contact_table(*job, *report);
   return kDone;
 }

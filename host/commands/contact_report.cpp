@@ -27,11 +27,14 @@ ordered_json r_squared(const std::optional<CubicFit>& fit) {
   return fit ? messages::or_null(fit->r_squared) : ordered_json();
 }
 
+/// An sd of 0 is not known.
+ordered_json sd_json(double sd) { return sd > 0.0 ? ordered_json(sd) : ordered_json(); }
+
 /// Number by number into `values`, its sd under the same name into `sds`.
 void put(ordered_json& values, ordered_json& sds, const std::string& key, const ValueSd& v,
          double unit = 1.0) {
   values[key] = v.value * unit;
-  sds[key] = v.sd * unit;
+  sds[key] = sd_json(v.sd * unit);
 }
 
 void put_peak(ordered_json& out, ordered_json& sds, const std::string& key, const char* unit,
@@ -77,7 +80,7 @@ void put_spin(ordered_json& out, const ContactReport& r) {
   out["see_rotation_fraction"] = messages::or_null(used.see_fraction);
   out["total_rotation_deg"] = degrees(used.total_rad);
   out["total_rotation_sd_deg"] =
-      errors.given_total ? ordered_json() : ordered_json(degrees(errors.fitted_total_sd_rad));
+      errors.given_total ? ordered_json() : sd_json(degrees(errors.fitted_total_sd_rad.value_or(0.0)));
   out["total_rotation_source"] = r.rotation_source;
 }
 
@@ -121,7 +124,7 @@ ordered_json spline_json(const ContactReport& r) {
       turns ? ordered_json(r.spline_errors.rotation->given_total->see_rad) : ordered_json();
   if (r.spline_force) {
     out["max_normal_force_n"] = r.spline_force->force_n.value;
-    out["max_normal_force_sd_n"] = r.spline_force->force_n.sd;
+    out["max_normal_force_sd_n"] = sd_json(r.spline_force->force_n.sd);
     out["max_normal_force_fraction"] = r.spline_force->fraction;
   }
   return out;
@@ -160,6 +163,7 @@ ordered_json stiffness_json(const contact::Stiffness& s) {
 ordered_json inputs_json(const ContactJob& job) {
   const contact::ContactInputs& in = job.inputs;
   ordered_json out{{"set", job.name},
+                   {"repeated", job.set.repeated},
                    {"corrected", job.corrected},
                    {"vx_td_mps", in.vx_td_mps},
                    {"vy_td_mps", in.vy_td_mps},
@@ -186,8 +190,9 @@ ordered_json inputs_json(const ContactJob& job) {
 void print_head(const ContactJob& job, const ContactReport& r) {
   const contact::ContactInputs& in = job.inputs;
   const char* version = !job.project_set ? "" : job.corrected ? " (corrected)" : " (as printed)";
-  std::printf("%s%s: %d images between touchdown and lift-off\n", job.name.c_str(), version,
-              r.thesis_errors.n);
+  std::printf("%s%s: %d images between touchdown and lift-off", job.name.c_str(), version, r.thesis_errors.n);
+  if (job.set.repeated > 0) std::printf(" (%d rows repeat others and do not count)", job.set.repeated);
+  std::printf("\n");
   std::printf("  touchdown vx %g, vy %g m/s", in.vx_td_mps, in.vy_td_mps);
   if (job.omega_td_radps) std::printf(", spin %g rad/s", *job.omega_td_radps);
   std::printf("; e %g, mu %g; dwell %g ms, %g cm; diameter %g m\n", in.e, in.mu, job.dwell_time_ms,
@@ -222,16 +227,18 @@ void print_pulse(const ContactJob& job, const ContactReport& r) {
   }
   print_value("stiffness m (pi/dwell)^2", {r.stiffness.half_period, 0.0}, 1e-3, "kN/m");
   print_value("  largest force over depth", {r.stiffness.secant, 0.0}, 1e-3, "kN/m");
-  print_value("top's drop over that depth", {r.drop.ratio, std::hypot(r.drop.sd_images, r.drop.sd_inputs)},
-              1.0, "");
+  print_value("top's drop over that depth",
+              {r.drop.ratio, std::hypot(r.drop.sd_images.value_or(0.0), r.drop.sd_inputs)}, 1.0, "");
 }
 
-std::string cell(const std::optional<double>& value, double unit) {
+std::string cell(const std::optional<double>& value, double unit, int decimals = 2) {
   if (!value) return "-";
   char text[32];
-  std::snprintf(text, sizeof text, "%.2f", *value * unit);
+  std::snprintf(text, sizeof text, "%.*f", decimals, *value * unit);
   return text;
 }
+
+std::optional<double> sd_of(const ValueSd& v) { return v.sd > 0.0 ? std::optional(v.sd) : std::nullopt; }
 
 void print_left_out(const char* what, const contact::LeaveOneOutRms& l, double unit, const char* name) {
   std::printf("  %-22s %8s %8s %8s  %s\n", what, cell(l.pulse, unit).c_str(), cell(l.cubic, unit).c_str(),
@@ -252,8 +259,9 @@ void print_fit(const char* name, const std::optional<CubicFit>& fit) {
 void print_end(const char* what, const std::optional<ValueSd>& td, const ValueSd& measured_td,
                const std::optional<ValueSd>& lo, const ValueSd& measured_lo, const char* unit) {
   if (!td || !lo) return;
-  std::printf("  %-6s %9.2f +- %-6.2f (%8.2f) %9.2f +- %-6.2f (%8.2f) %s\n", what, td->value, td->sd,
-              measured_td.value, lo->value, lo->sd, measured_lo.value, unit);
+  std::printf("  %-6s %9.2f +- %-6s (%8.2f) %9.2f +- %-6s (%8.2f) %s\n", what, td->value,
+              cell(sd_of(*td), 1.0).c_str(), measured_td.value, lo->value, cell(sd_of(*lo), 1.0).c_str(),
+              measured_lo.value, unit);
 }
 
 void print_cubics(const ContactJob& job, const ContactReport& r) {
@@ -300,9 +308,9 @@ void print_comparison(const ContactReport& r) {
     std::printf("  spline through the measured end velocities: along %.3f mm, normal %.3f mm\n",
                 1e3 * r.spline_errors.see_x_m, 1e3 * r.spline_errors.see_y_m);
   if (r.spline_force)
-    std::printf(
-        "  the spline's largest normal force: %.0f +- %.0f N at %.0f %% (of the top, not the centre)\n",
-        r.spline_force->force_n.value, r.spline_force->force_n.sd, 1e2 * r.spline_force->fraction);
+    std::printf("  the spline's largest normal force: %.0f +- %s N at %.0f %% (of the top, not the centre)\n",
+                r.spline_force->force_n.value, cell(sd_of(r.spline_force->force_n), 1.0, 0).c_str(),
+                1e2 * r.spline_force->fraction);
   std::printf("Error of an image that was left out      pulse    cubic   spline\n");
   print_left_out("              along", r.cross.x_m, 1e3, "mm");
   print_left_out("              normal", r.cross.y_m, 1e3, "mm");
@@ -329,7 +337,7 @@ void print_contact_json(const ContactJob& job, const ContactReport& r) {
   out["mechanics"] = mechanics_json(r);
   out["stiffness_npm"] = stiffness_json(r.stiffness);
   out["drop_ratio"] = {{"ratio", r.drop.ratio},
-                       {"sd_images", r.drop.sd_images},
+                       {"sd_images", messages::or_null(r.drop.sd_images)},
                        {"sd_inputs", job.project_set ? ordered_json(r.drop.sd_inputs) : ordered_json()}};
   out["cubic"] = cubic_json(r);
   out["spline"] = spline_json(r);

@@ -225,6 +225,16 @@ TEST(ConstrainedFits, WidenTheirBandsByTheEndSlopesSds) {
   }
 }
 
+// Four images far off any smooth curve: the smoothest is chosen, and nothing tells how far that is from the truth.
+TEST(ConstrainedFits, ThatTheImagesDoNotShapeHaveNoBand) {
+  EndConditions e = ends(0, 0, -1, 1);
+  e.slope_td.sd = 0.1;
+  const auto apart = fit_constrained_spline(std::vector{0.1, 0.3, 0.5, 0.8}, std::vector{0.4, -0.9, 0.8, -0.7}, e);
+  for (int order = 0; order < 3; ++order) DOUBLES_EQUAL(0.0, apart->derivative_with_sd(0.4, order).sd, 0.0);
+  const auto shaped = fit_constrained_spline(kTimes, at_times(dent), e);
+  CHECK(shaped->derivative_with_sd(0.4, 2).sd > 0.0);
+}
+
 TEST(ConstrainedFits, RefuseWhatTheyCannotUse) {
   const auto values = at_times(dent);
   const EndConditions e = ends(0, 0, -1, 1);
@@ -232,7 +242,9 @@ TEST(ConstrainedFits, RefuseWhatTheyCannotUse) {
     return fit_constrained_spline(t, y, e, o).error().message;
   };
   CHECK_EQUAL("a constrained fit needs as many times as values", message({0.1, 0.2}, {1.0}, {}));
-  CHECK_EQUAL("a constrained fit needs at least three images", message({0.1, 0.2}, {1.0, 2.0}, {}));
+  const char* few = "a constrained fit needs images at three different times";
+  CHECK_EQUAL(few, message({0.1, 0.2}, {1.0, 2.0}, {}));
+  CHECK_EQUAL(few, message({0.1, 0.2, 0.1, 0.1}, {1.0, 2.0, 1.1, 0.9}, {}));
   CHECK_EQUAL("a constrained fit needs time fractions from 0 to 1",
               message({0.1, 0.2, 1.1}, {1.0, 2.0, 3.0}, {}));
   CHECK_EQUAL("a constrained fit needs finite numbers below 1e100",

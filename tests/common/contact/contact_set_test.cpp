@@ -73,7 +73,18 @@ TEST(ContactSet, RefusesAFileWithoutRows) {
 }
 
 TEST(ContactSet, TellsMillisecondsFromFractions) {
-  check_complaint("a.csv:2: time_fraction: must be from -0.5 to 1.5", kHeader + "2.6,0.5,-0.2,0.1\n");
+  const std::string range = "time_fraction: must be from -0.05 to 1.05: 0 is touchdown, 1 lift-off";
+  check_complaint("a.csv:2: " + range, kHeader + "2.6,0.5,-0.2,0.1\n");
+  check_complaint("a.csv:4: " + range, kHeader + "0,0,0,0\n1.05,0.5,-0.2,0.1\n1.0500001,0.5,-0.2,0.1\n");
+  check_complaint("a.csv:3: " + range, kHeader + "-0.05,0.5,-0.2,0.1\n-0.06,0.5,-0.2,0.1\n");
+}
+
+TEST(ContactSet, CountsEqualRowsOnce) {
+  const std::string row = "0.1,0.1,-0.3,0.1\n";
+  const auto set = parse_contact_csv(kHeader + row + "0.10,0.1,-3e-1,.1\n" + "0.2,0.1,-0.3,0.1\n" + row, "a.csv");
+  LONGS_EQUAL(2, set->rows.size());
+  DOUBLES_EQUAL(0.2, set->rows[1].time_fraction, 0.0);
+  LONGS_EQUAL(2, set->repeated);
 }
 
 TEST(ContactSet, KnowsTheTwoRowsThatHoldByDefinition) {

@@ -153,6 +153,21 @@ TEST(CubicFits, FourRowsAreMetExactlyAndHaveNoStandardErrors) {
   CHECK_FALSE(fit->standard_errors.has_value());
 }
 
+// Eighths, whose powers are exact: what is left is the fit's rounding, whatever the degrees of freedom.
+TEST(CubicFits, OfValuesOnACubicHaveNoStandardErrors) {
+  std::vector<double> t, y;
+  for (int i = 0; i <= 8; ++i) {
+    t.push_back(i / 8.0);
+    y.push_back(0.25 + t.back() - 3.0 * t.back() * t.back() + 2.0 * std::pow(t.back(), 3));
+  }
+  const auto fit = contact::fit_cubic(t, y);
+  DOUBLES_EQUAL(2.0, fit->coefficients[3], 1e-12);
+  CHECK_FALSE(fit->standard_errors.has_value());
+  CHECK_FALSE(contact::error_growth(*fit).has_value());
+  y[3] += 1e-9;
+  CHECK(contact::fit_cubic(t, y)->standard_errors.has_value());
+}
+
 TEST(CubicFits, RefuseWhatDoesNotDetermineThem) {
   const std::vector<double> three{0.0, 0.5, 1.0};
   const std::vector<double> repeated{0.0, 0.5, 0.5, 0.5, 1.0};

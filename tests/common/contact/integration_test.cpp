@@ -68,7 +68,7 @@ TEST(StandardErrorsOfTrajectories, FindTheTotalRotationThatFitsAndSayHowSurely) 
   const auto half = [](double t) { return contact::TrajectoryPoint{0.06 * t, 0.0, -0.4 * t * t}; };
   const auto errors = contact::standard_errors(set_on_arc(0.0), half, kScale);
   DOUBLES_EQUAL(-0.4, errors->rotation->fitted_total.total_rad, 1e-15);
-  DOUBLES_EQUAL(0.0, errors->rotation->fitted_total_sd_rad, 1e-15);
+  CHECK_FALSE(errors->rotation->fitted_total_sd_rad.has_value());  // nothing tells the images' errors
   DOUBLES_EQUAL(-0.4, errors->rotation->own_total.total_rad, 1e-15);
   DOUBLES_EQUAL(-0.8, errors->rotation->given_total->total_rad, 0.0);
 }
@@ -258,7 +258,16 @@ TEST(DropRatios, AreTheFactorThatTheSetWasMadeWith) {
     set.rows.push_back({t, t, 1.3 * pulse->at_fraction(t).y_m / in.ball.diameter_m, t});
   const auto drop = contact::drop_ratio(set, in, {});
   DOUBLES_EQUAL(1.3, drop->ratio, 1e-14);
-  DOUBLES_EQUAL(0.0, drop->sd_images, 1e-14);
+  CHECK_FALSE(drop->sd_images.has_value());  // nothing tells the images' errors
+  set.rows[2].y_fraction += 1e-6;
+  // Off by delta of (y1…y4): residuals delta·sqrt(1 - h), and the sd is their root over 3·sum(y²).
+  double squares = 0.0;
+  for (const double t : {0.1, 0.4, 0.6, 0.95}) squares += std::pow(pulse->at_fraction(t).y_m, 2);
+  const double leverage = std::pow(pulse->at_fraction(0.4).y_m, 2) / squares;
+  const double off_m = 1e-6 * in.ball.diameter_m;
+  DOUBLES_EQUAL(off_m * std::sqrt((1.0 - leverage) / 3.0 / squares), *contact::drop_ratio(set, in, {})->sd_images,
+                1e-10);  // residuals are good to 1e-17 m of 1e-2 m
+  set.rows[2].y_fraction -= 1e-6;
   DOUBLES_EQUAL(1.3 * contact::peaks(in, {})->deformation.size.value, drop->depth_m, 1e-15);
   // Half a per cent of depth comes from half a per cent of speed.
   DOUBLES_EQUAL(1.3 * 0.005, contact::drop_ratio(set, in, {.vy_mps = 0.005 * 6.71})->sd_inputs, 1e-6);

@@ -57,6 +57,57 @@ TEST(PhysicsCommands, ContactRefusesAFileWithLettersNamingLineAndColumn) {
   check_refused(contact_of(path, {}), path + ":3: x_fraction: 'abc' is not a number");
 }
 
+TEST(PhysicsCommands, ContactCountsAnImageOnceHoweverOftenItStandsInTheFile) {
+  const std::string path = folder / "set.csv";
+  const std::string header = "time_fraction,x_fraction,y_fraction,rotation_fraction\n", row = "0.1,0.1,-0.03,0.1\n";
+  write_text(path, header + row + row + row + row + row);
+  check_refused(contact_of(path, {"--omega-td", "0", "--omega-lo", "-300"}),
+                path + ": at least two rows are needed between touchdown and lift-off "
+                       "(4 rows repeat others and do not count)");
+  const std::string others = "0.3,0.32,-0.1,0.2\n0.5,0.54,-0.15,0.5\n0.8,0.82,-0.08,0.9\n0.9,0.91,-0.05,0.88\n";
+  const std::vector<std::string> spun{"--omega-td", "0", "--omega-lo", "-300", "--json"};
+  write_text(path, header + row + others);
+  auto once = json_of(contact_of(path, spun));
+  write_text(path, header + others + row + row + row);  // in another order sums would differ by rounding
+  check_prints(contact_of(path, {}),
+               {": 5 images between touchdown and lift-off (2 rows repeat others and do not count)"});
+  write_text(path, header + row + row + others + row);
+  auto thrice = json_of(contact_of(path, spun));
+  CHECK_EQUAL(0, once["inputs"]["repeated"]);
+  CHECK_EQUAL(2, thrice["inputs"]["repeated"]);
+  once["inputs"].erase("repeated");
+  thrice["inputs"].erase("repeated");
+  CHECK_EQUAL(once, thrice);
+}
+
+TEST(PhysicsCommands, ContactRefusesAnImageOfTheBallInTheAir) {
+  const std::string path = folder / "set.csv";
+  write_text(path, "time_fraction,x_fraction,y_fraction,rotation_fraction\n"
+                   "0.1,0.1,-0.3,0.1\n0.5,0.5,-0.2,0.5\n1.5,2,-3,4\n");
+  check_refused(contact_of(path, {}),
+                path + ":4: time_fraction: must be from -0.05 to 1.05: 0 is touchdown, 1 lift-off");
+}
+
+// A cubic through four images meets them; a spline needs images at three times.
+TEST(PhysicsCommands, ContactGivesNoSdWhereNothingTellsIt) {
+  const std::string path = folder / "set.csv";
+  const std::string header = "time_fraction,x_fraction,y_fraction,rotation_fraction\n";
+  const std::vector<std::string> spun{"--omega-td", "0", "--omega-lo", "-300", "--json"};
+  write_text(path, header + "0.1,0.1,-0.03,0.1\n0.3,0.32,-0.1,0.2\n0.5,0.54,-0.15,0.5\n0.8,0.82,-0.08,0.9\n");
+  const auto four = json_of(contact_of(path, spun));
+  CHECK(four["x_poly"].is_array());
+  CHECK(four["poly_se"]["x"].is_null());
+  for (const auto& [name, sd] : four["cubic"]["sd"].items()) CHECK_TEXT(sd.is_null(), name.c_str());
+  CHECK(four["total_rotation_sd_deg"] > 0.0);
+  STRCMP_CONTAINS(" +- -  ", contact_of(path, {}).out.c_str());
+  write_text(path, header + "0.4,0.4,-0.1,0.3\n0.4,0.42,-0.12,0.32\n0.4,0.41,-0.11,0.31\n0.4,0.4,-0.11,0.33\n");
+  const auto at_once = json_of(contact_of(path, spun));
+  CHECK(at_once["x_poly"].is_null());
+  CHECK(at_once["spline"]["see_x_m"].is_null());
+  CHECK_FALSE(at_once["spline"].contains("max_normal_force_n"));
+  CHECK(at_once["total_rotation_sd_deg"] > 0.0);  // by how they scatter
+}
+
 // Back -45 has eight images in print, one of which its correction leaves out.
 TEST(PhysicsCommands, ContactTakesAProjectsSetWithItsMeansCorrectedOrAsPrinted) {
   const auto corrected = json_of(contact({"back_45", "--json"}));
