@@ -175,7 +175,8 @@ void leave_impossible_out(const impact::FitOptions& options, FitData& data) {
 }
 
 int explain(const FitFailure& failure, const FitData& data) {
-  const std::string what = "fit: " + impact::message(failure, data.observations);
+  std::string what = "fit: " + impact::message(failure, data.observations);
+  if (!data.repeated.empty()) what += fmt::format(" ({})", fmt::join(data.repeated, "; "));
   return failure.error == FitError::not_identifiable ? failed(what) : bad_input(what);
 }
 
@@ -213,6 +214,7 @@ int run_fit(const Arguments& a) {
   if (!data) return bad_input(data.error().message);
   if (!a.spin.empty()) data->observations = impact::of_spin(data->observations, a.spin);
   if (data->observations.empty()) return bad_input("fit: no observations of " + a.spin + " spin");
+  data->repeated = impact::leave_copies_out(data->observations);
   if (options->model == ReboundModel::ode) add_weight(a, *data);
   weigh_by_sd_where_stated(a, *data, *options);
   leave_impossible_out(*options, *data);

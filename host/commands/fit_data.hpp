@@ -18,6 +18,8 @@ struct FitData {
   int incomplete = 0;  ///< shots left out since a velocity, spin or e is missing or the spin may be aliased
   std::vector<std::string>
       impossible;  ///< "SOURCE: shot 7: what no impact can have", of shots left out for it
+  std::vector<std::string>
+      repeated;  ///< "SOURCE: shot 7: how many have the same numbers", of shots that count once
 };
 
 /// The shipped conditions of the thesis.

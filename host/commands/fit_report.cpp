@@ -163,9 +163,10 @@ ordered_json fit_json(const FitReport& r) {
   out.update(statistics_json(r.fit.statistics));
   out["clusters"] = r.fit.clusters;
   if (r.fit.posterior) out["posterior"] = posterior_json(r.fit);
-  out["inputs"] = {{"weights", by_sd ? "sd" : "equal"},  {"covariance", impact::name(r.options.scale)},
+  out["inputs"] = {{"weights", by_sd ? "sd" : "equal"},  {"covariance", impact::name(r.fit.covariance_scale)},
                    {"diameter_m", r.options.diameter_m}, {"rejected", r.data.rejected},
-                   {"incomplete", r.data.incomplete},    {"impossible", r.data.impossible}};
+                   {"incomplete", r.data.incomplete},    {"impossible", r.data.impossible},
+                   {"repeated", r.data.repeated}};
   if (r.fit.posterior) out["inputs"]["gravity_mps2"] = r.data.observations.front().gravity_mps2;
   return out;
 }

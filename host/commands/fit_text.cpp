@@ -66,6 +66,7 @@ void print_parameters(const FitReport& r) {
     write_out(fmt::format(" ({} rejected and {} incomplete left out)", r.data.rejected, r.data.incomplete));
   write_out("\n");
   for (const std::string& shot : r.data.impossible) write_out("  left out: " + shot + "\n");
+  for (const std::string& shot : r.data.repeated) write_out("  " + shot + "\n");
   for (std::size_t i = 0; i < kParameterCount; ++i) {
     const auto p = static_cast<Parameter>(i);
     if (!impact::has_parameter(r.options.model, p)) continue;
@@ -131,6 +132,8 @@ std::string statistics_text(const impact::ResidualStatistics& a) {
 }
 
 std::string spread_text(const FitReport& r) {
+  if (r.fit.covariance_scale != r.options.scale)
+    return "from the stated sd: the observations scatter less than these let expect";
   if (r.options.scale == impact::CovarianceScale::stated) return "from the weights alone";
   if (r.options.scale == impact::CovarianceScale::residuals) return "scaled to the residuals (chi2/dof)";
   const bool by_shot = r.fit.clusters == static_cast<int>(r.data.observations.size());
@@ -176,11 +179,12 @@ void print_observations(const FitReport& r) {
 void print_rolling_friction(const FitReport& r) {
   const double alpha = r.fit.parameters[impact::index(Parameter::alpha)].value;
   const auto s = impact::summarize(r.rolling_friction);
-  write_out(
-      fmt::format("\nrolling friction from angular momentum (alpha {:.3g}): d {:.2f} mm, {:.2f} between "
-                  "observations, positive in {} of {}; systematic {:.2f} mm from alpha +- {:g}\n",
-                  alpha, 1e3 * s.mean_m, 1e3 * s.scatter_m, s.positive, s.count, 1e3 * s.mean_sd_alpha_m,
-                  ball::kAlphaSd));
+  const std::string scatter =
+      s.count > 1 ? fmt::format(", {:.2f} between observations", 1e3 * s.scatter_m) : "";
+  write_out(fmt::format(
+      "\nrolling friction from angular momentum (alpha {:.3g}): d {:.2f} mm{}, positive in {} of {}; "
+      "systematic {:.2f} mm from alpha +- {:g}\n",
+      alpha, 1e3 * s.mean_m, scatter, s.positive, s.count, 1e3 * s.mean_sd_alpha_m, ball::kAlphaSd));
 }
 
 void print_validation(const FitReport& r) {
@@ -216,9 +220,14 @@ void print_fit_text(const FitReport& r) {
 
 namespace {
 
-/// A parameter of which the interval is little narrower than what was known before.
+/// A parameter of which the interval is little narrower than what was known before, or is so by the others'
+/// alone.
 std::string about_prior(const impact::Posterior& q, std::size_t i) {
   const Parameter p = q.parameters[i];
+  if (q.prior_shares[i] <= impact::kUntoldShare)
+    return fmt::format(
+        "{}: the observations tell fewer combinations than there are coefficients, and others better",
+        impact::name(p));
   const std::string what = fmt::format("{}: its interval is {:.0f} % as wide as the prior's", impact::name(p),
                                        100.0 * q.prior_shares[i]);
   if (p == Parameter::dwell_s)
@@ -257,7 +266,8 @@ std::vector<std::string> left_open(const impact::ModelFit& fit) {
   if (!fit.posterior) return out;
   const impact::Posterior& q = *fit.posterior;
   for (std::size_t i = 0; i < q.parameters.size(); ++i)
-    if (q.prior_shares[i] > impact::kUntoldShare) out.push_back(about_prior(q, i));
+    if (fit.parameters[impact::index(q.parameters[i])].status == ParameterStatus::undetermined)
+      out.push_back(about_prior(q, i));
   for (std::size_t i = 0; i < q.parameters.size(); ++i) {
     for (std::size_t j = i + 1; j < q.parameters.size(); ++j) {
       const double rho = q.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));

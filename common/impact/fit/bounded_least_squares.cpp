@@ -251,10 +251,13 @@ ClusteredCovariance clustered_covariance(const MatrixXd& jacobian, const VectorX
   return out;
 }
 
-double least_robust_share(double degrees_of_freedom) {
+double least_likely_chi2(double degrees_of_freedom) {
   constexpr double kByChance = 0.02;
-  if (degrees_of_freedom < kFewDegrees) return 1.0;
-  return statistics::chi_squared_quantile(degrees_of_freedom, kByChance) / degrees_of_freedom;
+  return degrees_of_freedom > 0.0 ? statistics::chi_squared_quantile(degrees_of_freedom, kByChance) : 0.0;
+}
+
+double least_robust_share(double degrees_of_freedom) {
+  return degrees_of_freedom < kFewDegrees ? 1.0 : least_likely_chi2(degrees_of_freedom) / degrees_of_freedom;
 }
 
 std::vector<std::vector<Eigen::Index>> rows_of_pairs(const std::vector<std::vector<std::size_t>>& clusters) {

@@ -103,6 +103,10 @@ ClusteredCovariance clustered_covariance(const Eigen::MatrixXd& jacobian, const 
 /// small.
 inline constexpr double kFewDegrees = 8.0;
 
+/// What a sum of squares of residuals of unit variance stays below once in fifty by chance; 0 without degrees
+/// of freedom.
+double least_likely_chi2(double degrees_of_freedom);
+
 /// Least share of the common variance that a robust one of so many degrees of freedom is taken to be: where
 /// they are few all of it, else what would not be reached once in fifty were the residuals like all.
 double least_robust_share(double degrees_of_freedom);

@@ -191,8 +191,7 @@ double largest_shift(const std::vector<Ends>& ends, const std::vector<Ends>& lap
 }
 
 /// Of the coordinates; that of a t distribution is the scale's, larger.
-MatrixXd coordinate_covariance(const ContactPosterior& posterior, const Posterior& found) {
-  if (found.sample.points.size() > 0) return found.sample.covariance();
+MatrixXd laplace_covariance(const ContactPosterior& posterior) {
   const double wider =
       statistics::student_t_quantile(posterior.degrees_of_freedom(), statistics::kAboveOneSd);
   return wider * wider * posterior.scale();
@@ -208,6 +207,21 @@ double value_sd(const Fitter& least, Parameter p, Index k, const Posterior& foun
   return std::sqrt((values.array() - mean).square().matrix().dot(found.sample.weights));
 }
 
+/// Whether the data tell each coordinate by its share of the prior's sd, but no more of them than there are
+/// directions in which the data tell as much: of one condition's shots, however many, two, by vx and spin.
+std::vector<bool> told(const MatrixXd& covariance, const VectorXd& prior_sds) {
+  constexpr double kMostVariance = kUntoldShare * kUntoldShare;
+  const VectorXd per_prior = prior_sds.cwiseInverse();
+  const MatrixXd in_priors = per_prior.asDiagonal() * covariance * per_prior.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(in_priors);  // as elsewhere: compiled once
+  const auto directions = (axes.eigenvalues().array() <= kMostVariance).count();
+  std::vector<bool> out;
+  for (const double variance : in_priors.diagonal())
+    out.push_back(variance <= kMostVariance &&
+                  (in_priors.diagonal().array() < variance).count() < directions);
+  return out;
+}
+
 }  // namespace
 
 void add_posterior(const Fitter& least, ModelFit& fit) {
@@ -218,18 +232,23 @@ void add_posterior(const Fitter& least, ModelFit& fit) {
   const std::vector<Ends> laplace = laplace_ends(posterior);
   const std::vector<Ends> ends = found.sample.points.size() > 0 ? sampled_ends(found.sample) : laplace;
   found.laplace_shift = largest_shift(ends, laplace);
-  const MatrixXd covariance = coordinate_covariance(posterior, found);
+  const MatrixXd by_laplace = laplace_covariance(posterior);
+  const MatrixXd covariance = found.sample.points.size() > 0 ? found.sample.covariance() : by_laplace;
   const VectorXd sd = covariance.diagonal().cwiseSqrt();
   found.parameters = least.free();
   found.correlation = sd.cwiseInverse().asDiagonal() * covariance * sd.cwiseInverse().asDiagonal();
-  VectorXd value_sds(sd.size());
+  VectorXd value_sds(sd.size()), prior_sds(sd.size());
+  for (Index k = 0; k < sd.size(); ++k)
+    prior_sds[k] = prior_of(model, found.parameters[static_cast<std::size_t>(k)])->sd;
+  const std::vector<bool> told_by_laplace = told(by_laplace, prior_sds);
   for (Index k = 0; k < sd.size(); ++k) {
     const Parameter p = least.free()[static_cast<std::size_t>(k)];
     const Ends& e = ends[static_cast<std::size_t>(k)];
     FittedParameter& out = fit.parameters[index(p)];
-    const double share = sd[k] / prior_of(model, p)->sd;
+    const double share = sd[k] / prior_sds[k];
+    const bool fitted = share <= kUntoldShare && told_by_laplace[static_cast<std::size_t>(k)];
     value_sds[k] = value_sd(least, p, k, found, sd[k], posterior.mode()[k]);
-    out.status = share > kUntoldShare ? ParameterStatus::undetermined : ParameterStatus::fitted;
+    out.status = fitted ? ParameterStatus::fitted : ParameterStatus::undetermined;
     out.sd = value_sds[k];
     out.lower = value_at(model, p, e.lower);
     out.upper = value_at(model, p, e.upper);

@@ -101,14 +101,33 @@ std::optional<FitFailure> find_failure(std::span<const Observation> observations
   return std::nullopt;
 }
 
+Fitter least_squares(std::span<const Observation> observations, const FitOptions& options) {
+  Fitter fitter(observations, options);
+  options.model == ReboundModel::ode ? fitter.search_with_prior() : fitter.search();
+  return fitter;
+}
+
+/// Zero scatter is not zero noise. Where the conditions scatter, it is their scatter that the sds are from.
+bool scatters_too_little(const Fitter& fitter) {
+  const FitOptions& o = fitter.options();
+  if (o.weighting != Weighting::stated_sd || o.scale == CovarianceScale::stated || fitter.scatters())
+    return false;
+  return fitter.chi2() < least_likely_chi2(fitter.degrees_of_freedom());
+}
+
 }  // namespace
 
-tl::expected<ModelFit, FitFailure> fit(std::span<const Observation> observations, const FitOptions& options) {
-  if (const auto failure = find_failure(observations, options)) return tl::unexpected(*failure);
-  Fitter fitter(observations, options);
+tl::expected<ModelFit, FitFailure> fit(std::span<const Observation> observations, const FitOptions& asked) {
+  if (const auto failure = find_failure(observations, asked)) return tl::unexpected(*failure);
+  FitOptions options = asked;
+  Fitter fitter = least_squares(observations, options);
+  if (scatters_too_little(fitter)) {
+    options.scale = CovarianceScale::stated;
+    fitter = least_squares(observations, options);
+  }
   const bool has_prior = options.model == ReboundModel::ode;
-  has_prior ? fitter.search_with_prior() : fitter.search();
   ModelFit out;
+  out.covariance_scale = options.scale;
   out.termination = fitter.termination();
   out.comparisons = compare(observations, options.model, fitter.values(), options.diameter_m);
   out.statistics = residual_statistics(out.comparisons);

@@ -90,10 +90,11 @@ enum class ParameterStatus {
   /// changes with the parameter.
   at_lower_bound,
   at_upper_bound,
-  /// ode: the data hardly tell it, the prior does (kUntoldShare). Others: nothing changes with it at the
-  /// minimum; or mu, where noise alone may explain that a contact seems to slide: all may grip (likelihood
-  /// ratio below that of 3.5 sd); or e_x, where all may slide. `limit` is then the lower end of a one-sided
-  /// interval of kLimitLevel, and the value the one with the least chi2.
+  /// ode: the data hardly tell it, the prior does (kUntoldShare), or they tell fewer combinations than
+  /// parameters, and others better. Others: nothing changes with it at the minimum; or mu, where noise alone
+  /// may explain that a contact seems to slide: all may grip (likelihood ratio below that of 3.5 sd); or e_x,
+  /// where all may slide. `limit` is then the lower end of a one-sided interval of kLimitLevel, and the value
+  /// the one with the least chi2.
   undetermined,
 };
 
@@ -154,6 +155,9 @@ struct ModelFit {
   int dof = 0;  ///< two per observation, less the free parameters
   double variance_scale =
       1.0;  ///< chi2/dof: factor of the covariance with CovarianceScale::residuals; 1 with stated
+  /// What the sds are from: as asked for, but `stated` where the observations scatter less than their sds let
+  /// expect once in fifty fits (least_likely_chi2()). The residuals are then no measure of the noise.
+  CovarianceScale covariance_scale = CovarianceScale::clustered;
   Termination termination = Termination::iteration_limit;  ///< of the search
   std::vector<Comparison> comparisons;                     ///< one for each observation, in order
   ResidualStatistics statistics;

@@ -1,8 +1,11 @@
 #include "common/impact/fit/observation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
 
 namespace strobe::impact {
 
@@ -19,6 +22,47 @@ double divisor(Spread spread, int n) {
 double z_score(double value, double sd) {
   if (value == 0.0) return 0.0;
   return sd > 0.0 ? value / sd : std::copysign(std::numeric_limits<double>::infinity(), value);
+}
+
+namespace {
+
+Motion larger(const Motion& a, const Motion& b) {
+  return {std::max(a.vx_mps, b.vx_mps), std::max(a.vy_mps, b.vy_mps), std::max(a.omega_radps, b.omega_radps)};
+}
+
+void take_larger_sds(const Observation& from, Observation& into) {
+  into.touchdown_sd = larger(into.touchdown_sd, from.touchdown_sd);
+  into.lift_off_sd = larger(into.lift_off_sd, from.lift_off_sd);
+  into.e_sd = std::max(into.e_sd, from.e_sd);
+  into.dwell_sd_s = std::max(into.dwell_sd_s, from.dwell_sd_s);
+}
+
+struct Kept {
+  std::size_t at = 0;
+  int count = 0;
+};
+
+}  // namespace
+
+std::vector<std::string> leave_copies_out(std::vector<Observation>& observations) {
+  std::map<std::array<double, 6>, Kept> kept;  // by what every model fits
+  std::vector<Observation> out;
+  for (Observation& o : observations) {
+    const auto [place, added] =
+        kept.try_emplace({o.touchdown.vx_mps, o.touchdown.vy_mps, o.touchdown.omega_radps, o.lift_off.vx_mps,
+                          o.lift_off.omega_radps, o.e},
+                         Kept{.at = out.size()});
+    ++place->second.count;
+    added ? out.push_back(std::move(o)) : take_larger_sds(o, out[place->second.at]);
+  }
+  observations = std::move(out);
+  std::vector<std::string> lines(observations.size());
+  for (const auto& [numbers, k] : kept)
+    if (k.count > 1)
+      lines[k.at] = observations[k.at].name + ": " + std::to_string(k.count) +
+                    " with the same numbers, which count as one";
+  std::erase(lines, "");
+  return lines;
 }
 
 std::vector<Observation> observations_of(std::span<const thesis::Condition> conditions, Spread spread) {

@@ -30,6 +30,11 @@ struct Observation {
   double gravity_along_mps2 = 0.0;
 };
 
+/// Keeps of observations whose motions and e are the same to the last digit the first: independent errors do
+/// not repeat, so that they are one measurement. Of their sds it gets the largest. Returns a line for each
+/// such one: its name and how many there were. Precondition: finite numbers.
+std::vector<std::string> leave_copies_out(std::vector<Observation>& observations);
+
 /// What standard deviations of a condition refer to.
 enum class Spread {
   /// One replicate, as printed. "Within one sd" and the z-scores of the tables refer to these.

@@ -104,7 +104,7 @@ TEST(FitCommand, GivesTheIntervalAndSaysFromWhatItWasMade) {
   CHECK_EQUAL("clustered", thesis["inputs"]["covariance"]);
   const std::string path = file(kHeader + kShots);
   CHECK_EQUAL("sd", jsons_of(run_fit({path, "--json", "--free", "ex,d"}))[0]["inputs"]["weights"]);
-  const std::string without = "t,8,,11.70,-13.25,5.6,6.2,-215,0.71,,,,,,,,zero,49,\n";
+  const std::string without = "t,8,,11.70,-13.25,5.6,6.3,-215,0.71,,,,,,,,zero,49,\n";
   file(kHeader + kShots + without);
   CHECK_EQUAL("equal", jsons_of(run_fit({path, "--json", "--free", "ex,d"}))[0]["inputs"]["weights"]);
 }
@@ -159,10 +159,72 @@ TEST(FitCommand, RefusesMoreParametersThanTheShotsGiveNumbers) {
 }
 
 TEST(FitCommand, FailsWhereParametersCannotBeToldApart) {
-  const std::string row = "t,1,,11.70,-13.25,5.6,6.2,-215,0.71,.05,.05,1,.05,2,.01,,zero,49,\n";
-  const CompletedProcess run = run_fit({file(kHeader + row + row + row + row)});
+  std::string rows;
+  for (const char* vx : {"6.20", "6.22", "6.18", "6.21"})
+    rows += std::string("t,1,,11.70,-13.25,5.6,") + vx + ",-215,0.71,.05,.05,1,.05,2,.01,,zero,49,\n";
+  const CompletedProcess run = run_fit({file(kHeader + rows)});
   LONGS_EQUAL(1, run.status->code);
   CHECK(run.err.find("cannot be separated") != std::string::npos);
+}
+
+namespace {
+
+/// A shot that slides throughout, mu .3 and alpha 2/3 by the impulse balance; `utc` and `rest` are of no model.
+std::string sliding_row(const std::string& utc, const std::string& lift_off, const std::string& sds,
+                        const std::string& rest) {
+  return utc + ",1,,15.62,-6.71,2.6," + lift_off + ",0.86," + sds + ",," + rest + "\n";
+}
+const std::string kSds = ".05,.05,1,.05,2,.01", kLiftOff = "11.876,-169.93";
+
+nlohmann::json parameters_of(const CompletedProcess& run) { return jsons_of(run)[0]["parameters"]; }
+
+}  // namespace
+
+TEST(FitCommand, ARowCountsOnceHoweverOftenItStandsThere) {
+  const std::string row = sliding_row("t", kLiftOff, kSds, "zero,23,");
+  const std::string copies = row + sliding_row("u", kLiftOff, kSds, "zero,23,again") +
+                             sliding_row("v", "11.8760,-1.6993e2", kSds, "top,34,") + row + row;
+  const std::string count = ": shot 1: 5 with the same numbers, which count as one";
+  for (const std::string model : {"slide-roll", "grip"}) {
+    const std::vector<std::string> asked{"--model", model,          "--free", "mu",    "--fix",
+                                         "alpha=0.6666", "--covariance", "stated", "--json"};
+    const auto with = [&](const std::string& path) {
+      std::vector<std::string> words = asked;
+      words.insert(words.begin(), path);
+      return run_fit(words);
+    };
+    const auto alone = parameters_of(with(file(kHeader + row)));
+    CHECK_EQUAL("fitted", alone["mu"]["status"]);
+    const std::string path = file(kHeader + copies);
+    CHECK_EQUAL(alone, parameters_of(with(path)));
+    CHECK_EQUAL(path + count, jsons_of(with(path))[0]["inputs"]["repeated"][0].get<std::string>());
+    // With one more row likewise.
+    const std::string other = "t,2,,14.49,-9.95,-1.1,9.207,-244.5,0.77,.05,.05,1,.05,2,.01,,zero,34,\n";
+    CHECK_EQUAL(parameters_of(with(file(kHeader + row + other))), parameters_of(with(file(kHeader + copies + other))));
+  }
+  const std::string path = file(kHeader + copies);
+  const std::string few = "fit: too few observations for so many parameters: each gives two numbers (vx and omega)";
+  for (const std::string model : {"grip", "grip-offset", "ode"})
+    check_refused(run_fit({path, "--model", model}), few + " (" + path + count + ")");
+  const std::string told = "model slide-roll: 1 observations\n  " + path + count + "\n";
+  check_prints(run_fit({path, "--model", "slide-roll"}), {told.c_str()});
+}
+
+TEST(FitCommand, OfRowsThatDifferInTheirSdsAloneTheLargestCount) {
+  const auto mu = [&](const std::string& rows) {
+    const std::string path = file(kHeader + rows);
+    return parameters_of(run_fit({path, "--model", "slide-roll", "--json", "--covariance", "stated"}))["mu"];
+  };
+  const auto row = [](const std::string& sds) { return sliding_row("t", kLiftOff, sds, "zero,23,"); };
+  CHECK_EQUAL(mu(row(".05,.05,1,.08,2,.02")), mu(row(".05,.05,.5,.08,1,.02") + row(".03,.04,1,.05,2,.01")));
+}
+
+TEST(FitCommand, SaysWhenTheRowsScatterLessThanTheirSds) {
+  std::string rows;
+  for (int i = 0; i < 5; ++i)
+    rows += sliding_row("t", "11.876" + std::to_string(i) + ",-169.93" + std::to_string(i), kSds, "zero,23,");
+  check_prints(run_fit({file(kHeader + rows), "--model", "slide-roll"}),
+               {"sd and interval from the stated sd: the observations scatter less than these let expect"});
 }
 
 TEST(FitCommand, FitsTheContactMechanicsWithItsPosterior) {

@@ -169,18 +169,6 @@ TEST(ModelFit, FrictionIsUndeterminedWhereAllGripButNotLessThanTheyNeed) {
   DOUBLES_EQUAL(0.003, fitted->parameters[index(Parameter::offset_m)].value, 1e-8);
 }
 
-// A shot repeated to the last digit: nothing is spread, so that nothing is uncertain.
-TEST(ModelFit, IdenticalShotsGiveAnSdOfZero) {
-  auto observations = true_rebounds({conditions()[3]}, default_values(ReboundModel::grip_offset));
-  observations.resize(10, observations.front());
-  FitOptions options = default_options(ReboundModel::grip_offset);
-  options.free = {false, true, true, false, false};
-  const auto fitted = fit(observations, options);
-  CHECK(fitted.has_value());
-  DOUBLES_EQUAL(0.0, *fitted->parameters[index(Parameter::e_x)].sd, 0.0);
-  DOUBLES_EQUAL(0.0, *fitted->parameters[index(Parameter::offset_m)].sd, 0.0);
-}
-
 TEST(ModelFit, RefusesMoreParametersThanNumbers) {
   const std::vector<Observation> one{conditions()[0]};
   CHECK_EQUAL(FitError::underdetermined, error_of(one, default_options(ReboundModel::grip_offset)));
