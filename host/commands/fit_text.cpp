@@ -99,7 +99,10 @@ std::string check_text(const impact::Posterior& q) {
       return fmt::format("adaptive Metropolis, {} (seed {}), R-hat {:.3f}, {:.0f} % accepted", draws, q.seed,
                          q.r_hat.value_or(0.0), 100.0 * q.acceptance.value_or(0.0));
     default:
-      return "the Laplace approximation, not checked";
+      return q.r_hat
+                 ? fmt::format("the Laplace approximation, as no sampler moves: draws worth {:.0f} (seed {})",
+                               q.effective_size, q.seed)
+                 : "the Laplace approximation, not checked";
   }
 }
 

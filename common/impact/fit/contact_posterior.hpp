@@ -17,7 +17,8 @@ namespace strobe::impact {
 /// Completes the parameters, the covariance and the posterior of a fit of ode at its least.
 ///
 /// PosteriorMethod::automatic samples from the Laplace approximation by importance (importance_sampling.hpp),
-/// which is the check of it; where the two do not match well enough, by adaptive Metropolis.
+/// which is the check of it; where the two do not match well enough, by adaptive Metropolis. Of a sample that
+/// is worth fewer than a hundred draws nothing is used: then it is the approximation, and not reliable.
 void add_posterior(const Fitter& least, ModelFit& fit);
 
 }  // namespace strobe::impact
