@@ -231,6 +231,7 @@ Frame read_frame(const json& object, std::optional<Error>& error) {
   fields.number("ball_mass_kg", frame.ball_mass_kg);
   fields.number("ball_alpha", frame.ball_alpha);
   fields.number("ball_alpha_sd", frame.ball_alpha_sd);
+  fields.number("fastest_spin_radps", frame.fastest_spin_radps);
   fields.number("air_density_kgpm3", frame.air_density_kgpm3);
   read_record(fields, frame);
   read_map_errors(fields, frame, error);
@@ -321,6 +322,7 @@ std::string frame_to_json(const Frame& frame) {
   put(object, "ball_mass_kg", frame.ball_mass_kg);
   put(object, "ball_alpha", frame.ball_alpha);
   put(object, "ball_alpha_sd", frame.ball_alpha_sd);
+  put(object, "fastest_spin_radps", frame.fastest_spin_radps);
   put(object, "air_density_kgpm3", frame.air_density_kgpm3);
   if (!frame.record.empty()) object["record"] = frame.record;
   object["images"] = ordered_json::array();
@@ -370,13 +372,13 @@ ordered_json launch_json(const reduction::Launch& launch) {
   return object;
 }
 
-ordered_json flags_json(const reduction::FlagSet& flags) {
-  ordered_json names = ordered_json::array();
-  for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
-    const auto flag = static_cast<reduction::Flag>(i);
-    if (flags.has(flag)) names.push_back(std::string(name(flag)));
+template <std::size_t kCount>
+ordered_json names_json(const std::array<std::string_view, kCount>& names, const std::bitset<kCount>& set) {
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < kCount; ++i) {
+    if (set[i]) list.push_back(std::string(names[i]));
   }
-  return names;
+  return list;
 }
 
 ordered_json contact_json(const reduction::ContactImage& image) {
@@ -416,14 +418,12 @@ ordered_json readout_json(const Readout& readout) {
   put(object, readout.value);
   object["regime"] = readout.regime ? ordered_json(std::string(name(*readout.regime))) : ordered_json();
   object["court_pace_conforming"] = readout.court_pace_conforming;
-  object["method"] = readout.method;
-  object["mirrored"] = readout.mirrored;
-  object["flight_effects"] = ordered_json::array();
-  for (std::size_t i = 0; i < flight::kEffectNames.size(); ++i) {
-    if (!(readout.flight_effects.*flight::kEffectMembers[i])) continue;
-    object["flight_effects"].push_back(std::string(flight::kEffectNames[i]));
-  }
-  object["flags"] = flags_json(readout.flags);
+  object["method"] = readout.method, object["mirrored"] = readout.mirrored;
+  std::bitset<flight::kEffectNames.size()> effects;
+  for (std::size_t i = 0; i < effects.size(); ++i)
+    effects[i] = readout.flight_effects.*flight::kEffectMembers[i];
+  object["flight_effects"] = names_json(flight::kEffectNames, effects);
+  object["flags"] = names_json(reduction::kFlagNames, readout.flags.bits());
   put_flashes(object, readout.flashes);
   put_assignments(object, readout.assignments);
   object["sd"] = quantities_json(readout.sd);
@@ -431,6 +431,7 @@ ordered_json readout_json(const Readout& readout) {
   object["degrees_of_freedom"] = quantities_json(readout.degrees_of_freedom);
   object["expanded_uncertainty"] = quantities_json(expanded(readout));
   put_residual_ratios(object, readout.residual_ratios);
+  object["spin_told_by"] = names_json(reduction::kSpinEvidenceNames, readout.spin_told_by);
   if (const auto& cause = readout.likely_cause)
     object["likely_cause"] = {{"cause", name(cause->cause)}, {"value", cause->value}, {"sd", cause->sd}};
   if (readout.launch) object["launch"] = launch_json(*readout.launch);

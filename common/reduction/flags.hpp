@@ -39,11 +39,13 @@ enum class Flag {
   scale_contradicts_ball,  // the images' diameters together contradict the calibrated scale, which was
                            // believed as far as its sd says
   residuals_exceed_noise,  // the residuals are larger than the stated noise explains: the sds are too small
-  scale_sd_unknown,  // the calibrated scale came without an sd: it was taken as exact, and the sds lack its
-                     // share
+  scale_sd_unknown,    // the calibrated scale came without an sd: it was taken as exact, and the sds lack its
+                       // share
+  spin_limit_assumed,  // a spin faster than any in play explains all as well; nobody said how fast the ball
+                       // can spin
 };
 
-inline constexpr std::array<std::string_view, 25> kFlagNames{"late_flash",
+inline constexpr std::array<std::string_view, 26> kFlagNames{"late_flash",
                                                              "missing_flash",
                                                              "double_flash",
                                                              "flash_match_ambiguous",
@@ -67,7 +69,8 @@ inline constexpr std::array<std::string_view, 25> kFlagNames{"late_flash",
                                                              "surface_suspect",
                                                              "scale_contradicts_ball",
                                                              "residuals_exceed_noise",
-                                                             "scale_sd_unknown"};
+                                                             "scale_sd_unknown",
+                                                             "spin_limit_assumed"};
 inline constexpr std::size_t kFlagCount = kFlagNames.size();
 
 constexpr std::string_view name(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }
@@ -78,6 +81,7 @@ class FlagSet {
   void set(Flag flag) { bits_.set(static_cast<std::size_t>(flag)); }
   bool has(Flag flag) const { return bits_.test(static_cast<std::size_t>(flag)); }
   bool empty() const { return bits_.none(); }
+  const std::bitset<kFlagCount>& bits() const { return bits_; }
   void merge(const FlagSet& other) { bits_ |= other.bits_; }
   bool operator==(const FlagSet&) const = default;
 

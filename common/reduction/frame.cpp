@@ -88,6 +88,7 @@ Complaint invalid_constants(const Frame& frame) {
       (!within(*frame.ball_alpha, 0.0, ball::kThinShellAlpha) || *frame.ball_alpha == 0.0)) {
     return "ball_alpha: must be above 0 and at most 2/3";
   }
+  if (bad(frame.fastest_spin_radps, 1e-9, 1e9)) return "fastest_spin_radps: must be from 1e-9 to 1e9";
   if (bad(frame.ball_alpha_sd, 0.0, ball::kThinShellAlpha)) return "ball_alpha_sd: must be from 0 to 2/3";
   if (bad(frame.air_density_kgpm3, 0.0, 100.0)) return "air_density_kgpm3: must be from 0 to 100";
   if (!within(frame.surface_angle_deg, -90.0, 90.0)) return "surface_angle_deg: must be from -90 to 90";

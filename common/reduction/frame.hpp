@@ -84,10 +84,13 @@ struct Frame {
   /// Inclination of the plate against the horizontal, from an inclinometer; without a surface of the
   /// photograph's x axis.
   double surface_angle_deg = 0.0;
-  std::optional<double> temperature_c;      ///< of the ball and the air, -60 to 100
-  std::optional<double> ball_mass_kg;       ///< 0.001 to 10; absent: the thesis's 57.6 g. For drag and lift
-  std::optional<double> ball_alpha;         ///< I / (m R^2), above 0 to 2/3; absent: 0.55. For the regime
-  std::optional<double> ball_alpha_sd;      ///< 0 to 2/3; absent: ball::kAlphaSd, as balls differ
+  std::optional<double> temperature_c;  ///< of the ball and the air, -60 to 100
+  std::optional<double> ball_mass_kg;   ///< 0.001 to 10; absent: the thesis's 57.6 g. For drag and lift
+  std::optional<double> ball_alpha;     ///< I / (m R^2), above 0 to 2/3; absent: 0.55. For the regime
+  std::optional<double> ball_alpha_sd;  ///< 0 to 2/3; absent: ball::kAlphaSd, as balls differ
+  /// Before the bounce the ball spun no faster, either way: what its machine can do, say. Absent:
+  /// kFastestRim_mps is assumed where the flashes leave it open, and that is flagged.
+  std::optional<double> fastest_spin_radps;
   std::optional<double> air_density_kgpm3;  ///< 0 to 100; absent: dry air of the temperature, 1.204 without
   Record record;
   std::vector<BallImage> images;

@@ -227,6 +227,7 @@ std::optional<Observations> observe(const Frame& frame, FlagSet& flags, NoiseSou
   all.gravity_mps2 = flight::gravity_mps2(radians(frame.surface_angle_deg));
   all.ball = {frame.ball_diameter_m, frame.ball_mass_kg.value_or(ball::kThesisMass_kg),
               frame.ball_alpha.value_or(ball::kMeasuredAlpha)};
+  all.stated_fastest_radps = frame.fastest_spin_radps;
   all.alpha_sd = frame.ball_alpha_sd.value_or(ball::kAlphaSd);
   all.air_density_kgpm3 =
       frame.air_density_kgpm3.value_or(flight::air_density_kgpm3(temperature_c(frame).value_or(20.0)));

@@ -61,6 +61,11 @@ struct Observation {
   bool use_equator = false;
 };
 
+/// The fastest rim of a ball in play: 6,000 revolutions a minute of a tennis ball, a fifth more than the
+/// strongest topspin filmed (4,900: J. Yandell, high-speed films of professional forehands). Machines can do
+/// more.
+inline constexpr double kFastestRim_mps = 20.5;
+
 /// A MapError in the surface's axes.
 struct ObservedMapError {
   struct Shift {
@@ -87,10 +92,15 @@ struct Observations {
   ball::Ball ball;
   std::vector<ObservedMapError> map_errors;
   double alpha_sd = ball::kAlphaSd;
+  std::optional<double> stated_fastest_radps;  ///< Frame::fastest_spin_radps
   double air_density_kgpm3 = flight::kAirDensity_kgpm3;
   geometry::SurfaceFrame surface;
   GroupSds group_sd;
 
+  /// As stated, else as any ball's in play.
+  double fastest_spin_radps() const {
+    return stated_fastest_radps.value_or(kFastestRim_mps / ball.radius_m());
+  }
   bool has_surface() const { return !surface_m.empty(); }
   bool scale_exact() const { return scale && scale_sd == 0.0; }
   double unit(NoiseGroup noise) const { return noise == NoiseGroup::stated ? 1.0 : group_sd[noise]; }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -142,6 +143,17 @@ struct LikelyCause {
   double sd = 0.0;
 };
 
+/// What tells the spins from all others that explain the equators as well.
+enum class SpinEvidence {
+  train,         ///< there are none: the intervals between the images differ, or are short
+  friction,      ///< those others contradict friction, or add energy, in the bounce
+  lift,          ///< the air would have bent the paths otherwise
+  assumed_limit  ///< they are faster than kFastestRim_mps, which nobody stated
+};
+inline constexpr std::array<std::string_view, 4> kSpinEvidenceNames{"train", "friction", "lift",
+                                                                    "assumed_limit"};
+using SpinEvidenceSet = std::bitset<kSpinEvidenceNames.size()>;
+
 struct Numbers {
   Quantities value;
   Quantities sd;             ///< statistical standard deviation, given the ball's diameter
@@ -178,6 +190,7 @@ struct Readout : Numbers {
   bool mirrored = false;
   FlagSet flags;
   ResidualRatios residual_ratios;           ///< only with method "best"
+  SpinEvidenceSet spin_told_by;             ///< none: no spin is known, or it may be another
   std::optional<LikelyCause> likely_cause;  ///< of flags that say that measurements disagree
   Record record;
   std::optional<ImagedFlashes> flashes;    ///< only of a photograph that a host matched with its shot

@@ -69,6 +69,14 @@ void withhold_doubtful(Readout& readout) {
   readout.court_pace_conforming = false;
 }
 
+void note(const SpinCheck& spins, Readout& readout) {
+  if (spins.in_doubt || spins.faster) readout.flags.set(Flag::spin_aliased);
+  if (readout.flags.has(Flag::spin_aliased)) return;
+  readout.spin_told_by = spins.told_by;
+  if (spins.told_by[static_cast<std::size_t>(SpinEvidence::assumed_limit)])
+    readout.flags.set(Flag::spin_limit_assumed);
+}
+
 using Primary = std::array<std::optional<double>, kPrimaryCount>;
 
 Primary primary(const Readout& readout, const Crossings& crossings) {
@@ -134,7 +142,7 @@ Readout two_point_readout(const Frame& frame, const PropagationOptions& propagat
       std::move(*observations), {.effects = flight::kNoEffects, .reject_outliers = false}, readout.flags));
   readout.mirrored = fit.observations.surface.mirrored;
   const Crossings crossings = propagate(fit, propagation, readout);
-  if (spins_in_doubt(readout, fit)) readout.flags.set(Flag::spin_aliased);
+  note(check_spins(readout, fit), readout);
   finish(fit, propagation, crossings, readout);
   return readout;
 }
@@ -211,8 +219,17 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation, 
   if (residuals.exceeded) readout.flags.set(Flag::residuals_exceed_noise);
   Readout reduced = readout;
   const Crossings crossings = propagate(fit, propagation, reduced);
-  if (!spins_open && (reduced.flags.has(Flag::spin_aliased) || spins_in_doubt(reduced, fit)))
-    return best_readout(frame, propagation, options, fitted, true);
+  if (!spins_open) {
+    const SpinCheck spins = check_spins(reduced, fit);
+    note(spins, reduced);
+    if (spins.faster) {
+      Frame faster = frame;
+      faster.fastest_spin_radps = kTearingRim_mps / fit.observations.ball.radius_m();
+      return best_readout(faster, propagation, options, fitted, !spins.far_better);
+    }
+    if (reduced.flags.has(Flag::spin_aliased)) return best_readout(frame, propagation, options, fitted, true);
+    note(spins, readout);
+  }
   reduced.flight_effects = fit.effects;
   flight::Effects kept =
       options.effects ? fit.effects : significant_effects(reduced, fit, crossings, fit.effects);

@@ -9,6 +9,7 @@
 
 #include "common/reduction/consistency.hpp"
 #include "common/reduction/equator_consensus.hpp"
+#include "common/reduction/lift_misfit.hpp"
 #include "common/reduction/outliers.hpp"
 #include "common/reduction/running_statistics.hpp"
 
@@ -27,52 +28,46 @@ double shortest_interval_s(const Observations& all) {
   return shortest;
 }
 
-/// Between a leg's first and last image. [m/s]
-double mean_speed(const Observations& all, std::size_t leg) {
-  const Observation* first = nullptr;
-  const Observation* last = nullptr;
-  for (const Observation& o : all.images) {
-    if (!o.use_centre || leg_index(*o.leg) != leg) continue;
-    if (!first) first = &o;
-    last = &o;
-  }
-  if (first == last) return 0.0;
-  const Eigen::Vector2d way = last->centre_m - first->centre_m;
-  return std::hypot(way.x(), way.y()) / (last->time_s - first->time_s);
-}
-
 /// The bounce adds no energy: v^2 + alpha (R omega)^2 does not grow, alpha being half or more.
 std::array<SpinSearch, 2> spin_search(const ShotFit& fit) {
   const Observations& all = fit.observations;
   const double interval_s = shortest_interval_s(all);
   const double radius_m = all.ball.radius_m();
-  const std::array<double, 2> speed_mps{mean_speed(all, 0), mean_speed(all, 1)};
+  const std::array<double, 2> speed_mps{mean_speed_mps(all, 0), mean_speed_mps(all, 1)};
   const double faster_mps = std::max(speed_mps[0], speed_mps[1]);
-  const double rebound_mps = std::hypot(kFastestRim_mps, std::numbers::sqrt2 * faster_mps);
+  const double fastest_mps = all.fastest_spin_radps() * radius_m;
+  const double rebound_mps = std::hypot(fastest_mps, std::numbers::sqrt2 * faster_mps);
+  const double possible_mps = all.stated_fastest_radps ? 0.0 : kTearingRim_mps;
   // A photograph in which the spin would fade away shows no ball in flight, and exponentials that overflow.
   const double longest_m = faster_mps * (all.images.empty() ? 0.0 : all.images.back().time_s);
   const bool decays = fit.spin_decay_per_m * longest_m < 1.0;
   const double decay = decays ? fit.spin_decay_per_m : 0.0;
   const double sd = decays ? fit.spin_decay_sd_per_m : 0.0;
-  return {SpinSearch{interval_s, kFastestRim_mps / radius_m, decay * speed_mps[0], sd * speed_mps[0]},
-          SpinSearch{interval_s, rebound_mps / radius_m, decay * speed_mps[1], sd * speed_mps[1]}};
+  const auto search = [&](double rim_mps, double speed) {
+    return SpinSearch{interval_s, rim_mps / radius_m, decay * speed, sd * speed, possible_mps / radius_m};
+  };
+  return {search(fastest_mps, speed_mps[0]), search(rebound_mps, speed_mps[1])};
+}
+
+/// Of a leg: equators that were seen, and are (not) in use.
+void read_equators(const ShotFit& fit, std::size_t leg, bool used, std::vector<EquatorReading>& readings) {
+  for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
+    const Observation& o = fit.observations.images[i];
+    if (!fit.equator_seen[i] || o.use_equator != used || leg_index(*o.leg) != leg) continue;
+    readings.push_back({o.time_s, o.equator_rad, fit.observations.equator_sd(o), o.time_sd_s,
+                        o.equator_noise != NoiseGroup::stated, i});
+  }
 }
 
 void fit_spins(ShotFit& fit, const std::array<SpinSearch, 2>& search) {
-  for (auto& readings : fit.equators) {
-    readings.clear();
-    readings.reserve(fit.observations.images.size());
+  for (std::size_t leg = 0; leg < 2; ++leg) {
+    fit.equators[leg].clear();
+    fit.equators[leg].reserve(fit.observations.images.size());
+    read_equators(fit, leg, true, fit.equators[leg]);
+    std::vector<EquatorReading> left_out;
+    read_equators(fit, leg, false, left_out);
+    fit.spin[leg] = fit_spin(fit.equators[leg], left_out, search[leg]);
   }
-  std::array<std::vector<EquatorReading>, 2> left_out;
-  for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
-    const Observation& o = fit.observations.images[i];
-    if (!fit.equator_seen[i]) continue;
-    auto& readings = o.use_equator ? fit.equators : left_out;
-    readings[leg_index(*o.leg)].push_back({o.time_s, o.equator_rad, fit.observations.equator_sd(o),
-                                           o.time_sd_s, o.equator_noise != NoiseGroup::stated, i});
-  }
-  for (std::size_t leg = 0; leg < 2; ++leg)
-    fit.spin[leg] = fit_spin(fit.equators[leg], left_out[leg], search[leg]);
   assert(fit.equator_seen.size() == fit.observations.images.size());
 }
 
@@ -188,14 +183,9 @@ bool any_estimated(const Observations& all) {
   return any;
 }
 
-/// Lift over speed, as acceleration. [1/s]
-double lift_per_s(const flight::Aerodynamics& air, double speed_mps, double omega_radps) {
-  return speed_mps > 0.0 ? air.lift_mps2(speed_mps, omega_radps) / speed_mps : 0.0;
-}
-
 /// What is known of a leg's lift besides the spin as fitted: its sd, or that it may be another, or any.
 AirError lift_error(const ShotFit& fit, std::size_t leg, double fastest_radps) {
-  const double speed = mean_speed(fit.observations, leg);
+  const double speed = mean_speed_mps(fit.observations, leg);
   const auto lift = [&](double omega) { return lift_per_s(fit.air, speed, omega); };
   const auto& spin = fit.spin[leg];
   // Uniform between the fastest topspin and backspin.
@@ -219,7 +209,7 @@ AirError lift_error(const ShotFit& fit, std::size_t leg, double fastest_radps) {
 
 AirErrors air_errors(const ShotFit& fit) {
   AirErrors errors;
-  const double fastest_radps = kFastestRim_mps / fit.observations.ball.radius_m();
+  const double fastest_radps = fit.observations.fastest_spin_radps();
   if (fit.effects.drag) errors[kDragError].sd = flight::kDragCoefficientSd / flight::kDragCoefficient;
   if (fit.effects.magnus) {
     for (std::size_t leg = 0; leg < 2; ++leg) errors[kLiftError[leg]] = lift_error(fit, leg, fastest_radps);
@@ -333,6 +323,13 @@ void orient(ShotFit& fit) {
 }
 
 }  // namespace
+
+std::vector<OtherSpin> faster_spins(const ShotFit& fit, std::size_t leg) {
+  if (!fit.spin[leg] || fit.observations.stated_fastest_radps) return {};
+  std::vector<EquatorReading> left_out;
+  read_equators(fit, leg, false, left_out);
+  return faster_spins(fit.equators[leg], left_out, spin_search(fit)[leg], *fit.spin[leg]);
+}
 
 void refit(ShotFit& fit, flight::Effects effects) {
   fit.effects = effects;

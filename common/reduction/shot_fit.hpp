@@ -51,6 +51,9 @@ struct FitOptions {
 /// Sets the flags outlier_image, sd_from_residuals and spin_aliased.
 ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags);
 
+/// Of a leg, see spin_fit.hpp: beyond the assumed limit, up to kTearingRim_mps; none where one was stated.
+std::vector<OtherSpin> faster_spins(const ShotFit& fit, std::size_t leg);
+
 /// The same images once more with other effects.
 void refit(ShotFit& fit, flight::Effects effects);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/ball/ball.hpp"
+#include "common/reduction/lift_misfit.hpp"
 
 namespace strobe::reduction {
 
@@ -126,28 +127,29 @@ bool Friction::likely_before(double omega_td_radps) const {
                              [&](double turn) { return likely(omega_td_radps, omega_td_radps + turn); });
 }
 
-bool Friction::likely_after(double omega_lo_radps) const {
-  const double fastest = kFastestRim_mps / radius_m_;
+bool Friction::likely_after(double omega_lo_radps, double fastest_radps) const {
   return std::ranges::any_of(turns_radps(), [&](double turn) {
-    return std::abs(omega_lo_radps - turn) <= fastest && likely(omega_lo_radps - turn, omega_lo_radps);
+    return std::abs(omega_lo_radps - turn) <= fastest_radps && likely(omega_lo_radps - turn, omega_lo_radps);
   });
 }
 
-bool spins_in_doubt(const Readout& readout, const ShotFit& fit) {
-  const std::vector<Hypothesis> before = hypotheses(readout, fit, 0);
-  const std::vector<Hypothesis> after = hypotheses(readout, fit, 1);
-  const auto friction = Friction::of(readout, fit);
+namespace {
+
+using Hypotheses = std::array<std::vector<Hypothesis>, 2>;
+
+bool spins_in_doubt(const Hypotheses& spins, const std::optional<Friction>& friction, const ShotFit& fit) {
+  const auto& [before, after] = spins;
+  const double fastest = fit.observations.fastest_spin_radps();
   const auto others = [](const std::vector<Hypothesis>& all, const auto& likely) {
     return !all.empty() && std::any_of(all.begin() + 1, all.end(),
                                        [&](const Hypothesis& h) { return likely(h.omega_radps); });
   };
   if (!friction) {
-    const auto possible = [&](double omega) {
-      return std::abs(omega) * fit.observations.ball.radius_m() <= kFastestRim_mps;
-    };
+    const auto possible = [&](double omega) { return std::abs(omega) <= fastest; };
     return others(before, possible) || others(after, possible);
   }
-  if (before.empty()) return others(after, [&](double omega) { return friction->likely_after(omega); });
+  if (before.empty())
+    return others(after, [&](double omega) { return friction->likely_after(omega, fastest); });
   if (after.empty()) return others(before, [&](double omega) { return friction->likely_before(omega); });
   const auto possible = [&](const Hypothesis& td, const Hypothesis& lo) {
     return td.in_window && lo.in_window ? friction->allows(td.omega_radps, lo.omega_radps)
@@ -166,6 +168,82 @@ bool spins_in_doubt(const Readout& readout, const ShotFit& fit) {
   // known ball's.
   const double interval_s = std::max(fit.spin[0]->interval_s, fit.spin[1]->interval_s);
   return as_fitted * interval_s > 0.5 * std::numbers::pi * kMinAlpha * fit.observations.ball.radius_m();
+}
+
+/// Noise, and the decay to the surface.
+constexpr double kJustFaster = 1.05;
+
+/// Excess of those that no faster than usual spins explain: 0.
+struct SpinCandidate {
+  std::optional<double> omega_radps;  ///< absent: the leg shows no spin
+  double excess = 0.0;
+  bool faster = false;
+  bool probable = true;
+};
+
+std::vector<SpinCandidate> spin_candidates(const std::vector<Hypothesis>& known, const ShotFit& fit,
+                                           std::size_t leg) {
+  std::vector<SpinCandidate> all;
+  if (known.empty()) all.push_back({});
+  for (const Hypothesis& h : known) all.push_back({h.omega_radps});
+  if (known.empty()) return all;
+  const double to_surface = known.front().omega_radps - fit.spin[leg]->omega_radps;
+  for (const OtherSpin& other : faster_spins(fit, leg))
+    all.push_back({other.omega_radps + to_surface, other.excess, true, other.probable});
+  return all;
+}
+
+bool friction_allows(const std::optional<Friction>& friction, const SpinCandidate& td,
+                     const SpinCandidate& lo, double fastest_radps) {
+  if (!friction) return true;
+  if (!lo.omega_radps) return friction->likely_before(*td.omega_radps);
+  if (!td.omega_radps) return friction->likely_after(*lo.omega_radps, fastest_radps);
+  return friction->likely(*td.omega_radps, *lo.omega_radps);
+}
+
+void check_faster(const Hypotheses& spins, const std::optional<Friction>& friction, const ShotFit& fit,
+                  SpinCheck& check) {
+  const std::array all{spin_candidates(spins[0], fit, 0), spin_candidates(spins[1], fit, 1)};
+  std::optional<LiftMisfit> lift;
+  const bool fitted_faster = std::abs(all[0].front().omega_radps.value_or(0.0)) >
+                             kJustFaster * fit.observations.fastest_spin_radps();
+  for (const SpinCandidate& td : all[0]) {
+    for (const SpinCandidate& lo : all[1]) {
+      double excess = td.excess + lo.excess;
+      if (!(td.faster || lo.faster) || excess >= kComparableSpins) continue;
+      const auto excluded = [&] {
+        if (!friction_allows(friction, td, lo, kTearingRim_mps / fit.observations.ball.radius_m()))
+          return SpinEvidence::friction;
+        if (!lift) lift.emplace(fit);
+        excess += lift->chi_squared({td.omega_radps, lo.omega_radps}) -
+                  lift->chi_squared({all[0].front().omega_radps, all[1].front().omega_radps});
+        return excess >= kComparableSpins ? SpinEvidence::lift : SpinEvidence::assumed_limit;
+      }();
+      check.told_by.set(static_cast<std::size_t>(excluded));
+      const bool fitted_excluded =
+          friction && all[0].front().omega_radps && all[1].front().omega_radps &&
+          !friction->allows(*all[0].front().omega_radps, *all[1].front().omega_radps);
+      if (excluded != SpinEvidence::assumed_limit || !td.probable || !lo.probable) continue;
+      check.far_better |= excess < -kFarBetter;
+      check.faster |= fitted_excluded || fitted_faster || check.far_better;
+    }
+  }
+}
+
+}  // namespace
+
+SpinCheck check_spins(const Readout& readout, const ShotFit& fit) {
+  const Hypotheses spins{hypotheses(readout, fit, 0), hypotheses(readout, fit, 1)};
+  SpinCheck check;
+  if (spins[0].empty() && spins[1].empty()) return check;
+  const auto friction = Friction::of(readout, fit);
+  check.in_doubt = spins_in_doubt(spins, friction, fit);
+  check_faster(spins, friction, fit, check);
+  if (spins[0].size() > 1 || spins[1].size() > 1)
+    check.told_by.set(static_cast<std::size_t>(SpinEvidence::friction));
+  if (check.told_by.none()) check.told_by.set(static_cast<std::size_t>(SpinEvidence::train));
+  if (check.in_doubt || check.faster) check.told_by.reset();
+  return check;
 }
 
 }  // namespace strobe::reduction

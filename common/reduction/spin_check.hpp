@@ -38,10 +38,10 @@ class Friction {
   /// slid throughout, so that its impulse ratio is the coefficient.
   bool likely(double omega_td_radps, double omega_lo_radps) const;
 
-  /// Likewise where one of the spins is not known: for some spin before, no faster than a ball spins in
-  /// flight, or after.
+  /// Likewise where one of the spins is not known: for some spin before, no faster than `fastest_radps`, or
+  /// after.
   bool likely_before(double omega_td_radps) const;
-  bool likely_after(double omega_lo_radps) const;
+  bool likely_after(double omega_lo_radps, double fastest_radps) const;
 
   /// Of the normal force, as a share of the radius. Twice the mean of the thesis's sets, 2.4 ± 0.85 mm
   /// of 32.5.
@@ -71,10 +71,19 @@ class Friction {
   double rim_sd_mps_ = 0.0;     ///< of R (omega_LO - omega_TD)
 };
 
-/// True where the readings allow other spins (SpinFit::alternatives_radps) that friction allows too, or that
-/// contradict it less than those fitted do, and where those fitted contradict it by so much that only a turn
-/// more explains it: images cannot tell a turn more between two flashes, whatever the interval. False where
-/// no spin is known.
-bool spins_in_doubt(const Readout& readout, const ShotFit& fit);
+struct SpinCheck {
+  /// The readings allow other spins (SpinFit::alternatives_radps) that friction allows too, or that
+  /// contradict it less than those fitted do; or those fitted contradict it by so much that only a turn more
+  /// explains it: images cannot tell a turn more between two flashes, whatever the interval.
+  bool in_doubt = false;
+  /// Spins beyond the assumed limit explain all, and those fitted do not, or are beyond it themselves.
+  bool faster = false;
+  /// They do so far better (kFarBetter): a fit without the limit finds them.
+  bool far_better = false;
+  SpinEvidenceSet told_by;  ///< none where in doubt
+};
+
+/// Of both legs together. Nothing is said where no spin is known.
+SpinCheck check_spins(const Readout& readout, const ShotFit& fit);
 
 }  // namespace strobe::reduction

@@ -11,8 +11,6 @@
 namespace strobe::reduction {
 namespace {
 
-/// Spins whose chi squared differs by less than 3 sd are indistinguishable.
-constexpr double kComparableSpins = 9.0;
 /// Half turns tried between two readings far apart; more are beyond any flash train.
 constexpr int kMaxBranches = 1000;
 /// Share of the window's width next to its limit where a turn more is as likely as the spin itself.
@@ -79,26 +77,50 @@ Interval shortest_interval(const std::vector<EquatorReading>& readings,
 
 bool within(double omega, double limit) { return std::abs(omega) <= limit * (1.0 + 1e-12); }
 
+struct SpinRange {
+  double above_radps = 0.0;  ///< 0: none is too slow
+  double to_radps = 0.0;
+};
+
+/// All spins of the range that readings `pair` and `pair + 1` allow.
+void propose_from(std::size_t pair, const std::vector<EquatorReading>& readings,
+                  const std::vector<EquatorReading>& left_out, const SpinRange& range,
+                  std::vector<Proposal>& proposals) {
+  const auto in_range = [&](double omega) {
+    return within(omega, range.to_radps) && (range.above_radps == 0.0 || std::abs(omega) > range.above_radps);
+  };
+  const double interval = readings[pair + 1].time_s - readings[pair].time_s;
+  const double base = wrap_half_turn(readings[pair + 1].angle_rad - readings[pair].angle_rad) / interval;
+  const double branch = kPi / interval;
+  if (!std::isfinite(base)) return;
+  const double branches = std::ceil((range.to_radps + std::abs(base)) / branch);
+  const int most = branches < kMaxBranches ? static_cast<int>(branches) : kMaxBranches;
+  for (int k = -most; k <= most; ++k) {
+    const double omega = base + k * branch;
+    if (!within(omega, range.to_radps)) continue;
+    const SpinLine line = follow(readings, pair, omega);
+    if (!in_range(line.slope())) continue;
+    proposals.push_back({line, line.slope(), robust_cost(readings, line) + robust_cost(left_out, line)});
+  }
+}
+
 std::vector<Proposal> propose(const std::vector<EquatorReading>& readings,
                               const std::vector<EquatorReading>& left_out, double limit) {
   std::vector<Proposal> proposals;
   proposals.reserve(readings.size());
-  for (std::size_t i = 0; i + 1 < readings.size(); ++i) {
-    const double interval = readings[i + 1].time_s - readings[i].time_s;
-    const double base = wrap_half_turn(readings[i + 1].angle_rad - readings[i].angle_rad) / interval;
-    const double branch = kPi / interval;
-    if (!std::isfinite(base)) continue;
-    const double branches = std::ceil((limit + std::abs(base)) / branch);
-    const int most = branches < kMaxBranches ? static_cast<int>(branches) : kMaxBranches;
-    for (int k = -most; k <= most; ++k) {
-      const double omega = base + k * branch;
-      if (!within(omega, limit)) continue;
-      const SpinLine line = follow(readings, i, omega);
-      if (!within(line.slope(), limit)) continue;
-      proposals.push_back({line, line.slope(), robust_cost(readings, line) + robust_cost(left_out, line)});
-    }
-  }
+  for (std::size_t i = 0; i + 1 < readings.size(); ++i)
+    propose_from(i, readings, left_out, {.to_radps = limit}, proposals);
   return proposals;
+}
+
+std::size_t shortest_pair(const std::vector<EquatorReading>& readings) {
+  std::size_t shortest = 0;
+  for (std::size_t i = 1; i + 1 < readings.size(); ++i) {
+    if (readings[i + 1].time_s - readings[i].time_s <
+        readings[shortest + 1].time_s - readings[shortest].time_s)
+      shortest = i;
+  }
+  return shortest;
 }
 
 void finish(const std::vector<EquatorReading>& readings, const SpinLine& line, SpinFit& fit) {
@@ -171,6 +193,12 @@ class Alternatives {
     for (const Proposal& other : proposals) add(other.line);
   }
 
+  /// Whether the same turn the other way explains them.
+  bool other_way(const Interval& shortest) {
+    const double branch = std::copysign(kPi / shortest.length_s, best_.omega);
+    return explains_as_well(turned(readings_, best_.line, -branch, shortest.from_s));
+  }
+
   void beyond(double window, const Interval& shortest, double fastest_radps) {
     const double branch = kPi / shortest.length_s;
     const double most = (fastest_radps + std::abs(best_.omega)) / branch;
@@ -222,8 +250,10 @@ double mean_time_s(const std::vector<EquatorReading>& readings) {
   return mean;
 }
 
+/// About `time_s`.
 SpinFit fit_steady_spin(const std::vector<EquatorReading>& readings,
-                        const std::vector<EquatorReading>& left_out, const SpinSearch& search) {
+                        const std::vector<EquatorReading>& left_out, const SpinSearch& search,
+                        double time_s) {
   const Interval shortest = shortest_interval(readings, left_out);
   const double of_train = kPi / (2.0 * search.shortest_interval_s);
   const double window = std::max(kPi / (2.0 * shortest.length_s), std::min(of_train, search.fastest_radps));
@@ -237,24 +267,31 @@ SpinFit fit_steady_spin(const std::vector<EquatorReading>& readings,
     std::ranges::for_each(proposals, at_any_decay);
     best = best_of(proposals, readings, window);
   }
-  if (improbable(best.cost, readings.size()) && search.fastest_radps > window) {
-    // Unequal intervals tell a spin beyond the window from those within, where it does explain the readings.
-    // Of spins none of which does, the readings' noise is larger than stated, and the window's stays.
-    proposals = propose(readings, left_out, search.fastest_radps);
-    if (search.decay_per_s != 0.0) std::ranges::for_each(proposals, at_any_decay);
-    const Proposal faster = best_of(proposals, readings, search.fastest_radps);
-    if (!improbable(faster.cost, readings.size()) && faster.cost + kComparableSpins < best.cost)
-      best = faster;
+  // Unequal intervals tell a spin beyond the window from those within, where it does explain the readings.
+  // Of spins none of which does, the readings' noise is larger than stated, and the window's stays.
+  for (const double limit : {search.fastest_radps, search.possible_radps}) {
+    if (!improbable(best.cost, readings.size()) || !(limit > window)) continue;
+    std::vector<Proposal> more = propose(readings, left_out, limit);
+    // The faster a ball spins, the more of any bend a decay would explain.
+    if (search.decay_per_s != 0.0 && limit == search.fastest_radps) std::ranges::for_each(more, at_any_decay);
+    const Proposal faster = best_of(more, readings, limit);
+    const double better = limit > search.fastest_radps ? kFarBetter : kComparableSpins;
+    const bool explains = !improbable(faster.cost, readings.size()) && faster.cost + better < best.cost;
+    if (explains) best = faster;
+    if (limit == search.fastest_radps) proposals = std::move(more);
   }
   SpinFit fit;
   fit.window_radps = window;
   fit.interval_s = shortest.length_s;
   const SpinLine line = through_all(readings, best.line);
   finish(readings, line, fit);
+  fit.time_s = time_s;
+  fit.angle_rad = line.at(time_s);
   allow_for_decay(readings, line, search.decay_sd_per_s, fit);
-  fit.near_limit =
-      std::abs(fit.omega_radps) + std::max(3.0 * std::sqrt(fit.variance), kNearLimit * window) > window;
   Alternatives alternatives(readings, left_out, best, search.decay_per_s, fit);
+  fit.near_limit =
+      std::abs(fit.omega_radps) + std::max(3.0 * std::sqrt(fit.variance), kNearLimit * window) > window &&
+      alternatives.other_way(shortest);
   alternatives.within_window(proposals);
   alternatives.beyond(window, shortest, search.fastest_radps);
   return fit;
@@ -278,11 +315,44 @@ std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings,
   if (readings.size() < 2) return std::nullopt;
   const double time_s = mean_time_s(readings);
   const double decay = search.decay_per_s;
-  SpinFit fit = decay == 0.0 ? fit_steady_spin(readings, left_out, search)
-                             : fit_steady_spin(stretched(readings, time_s, decay),
-                                               stretched(left_out, time_s, decay), search);
-  fit.time_s = time_s;
-  return fit;
+  if (decay == 0.0) return fit_steady_spin(readings, left_out, search, time_s);
+  return fit_steady_spin(stretched(readings, time_s, decay), stretched(left_out, time_s, decay), search,
+                         time_s);
+}
+
+std::vector<OtherSpin> faster_spins(const std::vector<EquatorReading>& as_read,
+                                    const std::vector<EquatorReading>& as_left_out, const SpinSearch& search,
+                                    const SpinFit& fit) {
+  if (as_read.size() < 2 || !(search.possible_radps > search.fastest_radps)) return {};
+  const auto readings = stretched(as_read, fit.time_s, search.decay_per_s);
+  const auto left_out = stretched(as_left_out, fit.time_s, search.decay_per_s);
+  const auto cost = [&](const SpinLine& line) {
+    const double of_readings = search.decay_per_s == 0.0
+                                   ? robust_cost(readings, line)
+                                   : cost_at_any_decay(readings, line, search.decay_per_s);
+    return of_readings + robust_cost(left_out, line);
+  };
+  SpinLine fitted;
+  fitted.add(fit.time_s, fit.angle_rad, 1.0);
+  fitted.add(fit.time_s + fit.interval_s, fit.angle_rad + fit.omega_radps * fit.interval_s, 1.0);
+  const double limit = cost(fitted) + kComparableSpins;
+  const std::size_t pair = shortest_pair(readings);
+  const double apart = 0.5 * kPi / (readings[pair + 1].time_s - readings[pair].time_s);
+  std::vector<Proposal> proposals;
+  // A line by other weights than the alternatives' may be as much slower.
+  constexpr double kSlower = 0.98;
+  propose_from(pair, readings, left_out,
+               {.above_radps = kSlower * search.fastest_radps, .to_radps = search.possible_radps}, proposals);
+  std::vector<OtherSpin> others;
+  for (const Proposal& p : proposals) {
+    // No decay makes up for more than two readings that are off.
+    if (std::abs(p.omega - fit.omega_radps) < apart || p.cost > limit + 2.0 * kCostLimit) continue;
+    const double other = cost(p.line);
+    if (!(other < limit)) continue;
+    const bool probable = p.cost < kComparableSpins || !improbable(p.cost, readings.size());
+    others.push_back({p.omega, other - limit + kComparableSpins, probable});
+  }
+  return others;
 }
 
 }  // namespace strobe::reduction

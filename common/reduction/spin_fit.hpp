@@ -25,6 +25,7 @@ struct SpinFit {
   double time_s = 0.0;              ///< mean of the readings'
   double chi_squared = 0.0;         ///< of all readings, with `decay_square`
   double decay_square = 0.0;        ///< squared deviation of the decay from the assumed one, in variances
+  double angle_rad = 0.0;           ///< at time_s
   double window_radps = 0.0;
   double interval_s = 0.0;  ///< the shortest between two readings
   bool near_limit = false;  ///< so near the window's limit that a turn the other way is as likely
@@ -34,20 +35,23 @@ struct SpinFit {
   std::vector<double> leverage;      ///< per reading: share of its own in its fitted angle
 };
 
-/// The fastest rim of a ball in flight: 6,000 revolutions a minute of a tennis ball, a fifth more than the
-/// strongest topspin filmed in play (4,900: J. Yandell, high-speed films of professional forehands).
-inline constexpr double kFastestRim_mps = 20.5;
+/// A rim so fast tears: the hoop stress, density times its square, is 11 MPa in rubber of 1,100 kg/m^3, about
+/// its strength.
+inline constexpr double kTearingRim_mps = 100.0;
 
 /// Which spins to try.
 struct SpinSearch {
   /// Between any two images of the ball that the flash train made, whether they show an equator or not.
   double shortest_interval_s = std::numeric_limits<double>::infinity();
-  /// No ball spins faster. The readings' own window is searched in any case.
+  /// The ball is taken to spin no faster, unless its readings leave nothing else. Their own window is
+  /// searched in any case.
   double fastest_radps = 0.0;
   /// What friction of the air takes of the spin, domega/dt over -omega: flight::kSpinDecay_per_m times the
   /// speed.
   double decay_per_s = 0.0;
   double decay_sd_per_s = 0.0;
+  /// It cannot spin faster. Up to fastest_radps: no more is looked for.
+  double possible_radps = 0.0;
 };
 
 /// The most likely spin within the window |omega| < pi / (2 T), T being the shortest interval of the train or
@@ -64,6 +68,24 @@ struct SpinSearch {
 std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings,
                                 const std::vector<EquatorReading>& left_out = {},
                                 const SpinSearch& search = {});
+
+/// Another spin, and by how much its chi squared is larger than that of the spin as fitted.
+struct OtherSpin {
+  double omega_radps = 0.0;
+  double excess = 0.0;
+  bool probable = true;  ///< it explains the readings without another decay than the assumed one
+};
+
+/// Turns more in the shortest interval than `search.fastest_radps` has, as far as `search.possible_radps`:
+/// those whose excess is below kComparableSpins. `fit` as fit_spin returned it for the same readings.
+std::vector<OtherSpin> faster_spins(const std::vector<EquatorReading>& readings,
+                                    const std::vector<EquatorReading>& left_out, const SpinSearch& search,
+                                    const SpinFit& fit);
+
+/// Spins whose chi squared differs by less than 3 sd are indistinguishable.
+inline constexpr double kComparableSpins = 9.0;
+/// By so much less, 4.5 sd, a spin is believed that no ball is known to have.
+inline constexpr double kFarBetter = 20.0;
 
 /// In a time that runs slower as the spin decays, as the spin is fitted: the angle is straight in it.
 std::vector<EquatorReading> stretched(std::vector<EquatorReading> readings, double from_s,

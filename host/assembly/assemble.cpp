@@ -47,6 +47,7 @@ void set_rig(Frame& frame, const shot_t& shot, const AssemblySettings& settings)
   frame.ball_diameter_sd_m = settings.ball.diameter_sd_m;
   frame.ball_mass_kg = settings.ball.mass_kg;
   frame.ball_alpha = settings.ball.alpha;
+  frame.fastest_spin_radps = settings.ball.fastest_spin_radps;
   frame.ball_alpha_sd = settings.ball.alpha_sd;
   if (!frame.px_per_m) {
     frame.px_per_m = settings.analysis.px_per_m;

@@ -46,6 +46,7 @@ struct ReduceOptions {
   bool json = false;
   bool all = false;
   bool budget = false;
+  std::optional<double> fastest_spin_radps;
 };
 
 reduction::ReduceOptions reduction_options(const std::string& flight, const std::string& noise) {
@@ -66,7 +67,8 @@ class Reducer {
         all_(options.all),
         budget_(options.budget),
         estimator_(*reduction::estimator_from_name(options.estimator)),
-        options_(reduction_options(options.flight, options.noise)) {}
+        options_(reduction_options(options.flight, options.noise)),
+        fastest_spin_radps_(options.fastest_spin_radps) {}
 
   Result<void> frames(const std::string& file) {
     std::ifstream opened;
@@ -116,7 +118,8 @@ class Reducer {
     failed(what);
   }
 
-  void reduce(const reduction::Frame& frame, const std::string& place) {
+  void reduce(reduction::Frame frame, const std::string& place) {
+    if (!frame.fastest_spin_radps) frame.fastest_spin_radps = fastest_spin_radps_;
     put(reduction::reduce(frame, estimator_, options_), place, &frame);
   }
 
@@ -228,6 +231,7 @@ class Reducer {
   bool json_, all_, budget_;
   reduction::Estimator estimator_;
   reduction::ReduceOptions options_;
+  std::optional<double> fastest_spin_radps_;
   Series series_;
   int reduced_ = 0, with_numbers_ = 0;
   int bad_ = 0;
@@ -282,6 +286,10 @@ void add_reduce_command(CLI::App& app, int& exit_status) {
           "residuals (those are relative weights only; the noise of each kind of measurement is estimated "
           "from the shot's own residuals, and sds are widened by Student's t)")
       ->check(CLI::IsMember({"stated", "residuals"}));
+  command
+      ->add_option("--fastest-spin-radps", options->fastest_spin_radps,
+                   "the fastest spin that the ball can have before the bounce, of frames that state none")
+      ->check(CLI::Range(1.0, 1e6));
   command->add_flag(
       "--budget", options->budget,
       "what each number's uncertainty is made of: source, type (A or B), sensitivity, effect, share");

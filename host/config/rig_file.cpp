@@ -44,6 +44,7 @@ BallSettings read_ball(TomlTable table) {
   ball.diameter_sd_m = table.number_or("diameter_sd_m", ball.diameter_sd_m, {0.0, 0.1});
   ball.mass_kg = table.optional_number("mass_kg", {0.001, 10.0});
   ball.alpha = table.optional_number("alpha", {0.01, ball::kThinShellAlpha});
+  ball.fastest_spin_radps = table.optional_number("fastest_spin_radps", {1.0, 1e6});
   ball.alpha_sd = table.optional_number("alpha_sd", {0.0, ball::kThinShellAlpha});
   return ball;
 }

@@ -50,6 +50,7 @@ struct BallSettings {
   std::optional<double> mass_kg;   ///< 0.001 to 10; absent: the thesis's
   std::optional<double> alpha;     ///< inertia over m R^2, 0.01 to 2/3; absent: as measured on tennis balls
   std::optional<double> alpha_sd;  ///< 0 to 2/3; absent: as balls differ
+  std::optional<double> fastest_spin_radps;  ///< 1 to 1e6, before the bounce; absent: not known
 };
 
 struct AnalysisSettings {

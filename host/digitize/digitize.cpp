@@ -200,6 +200,7 @@ class Digitizer {
     reduction::Frame& frame = result_.frame;
     frame.ball_diameter_m = settings_.ball_diameter_m;
     frame.ball_diameter_sd_m = settings_.ball_diameter_sd_m;
+    frame.fastest_spin_radps = settings_.fastest_spin_radps;
     if (settings_.px_per_m_sd) {
       frame.px_per_m = settings_.px_per_m;
       frame.px_per_m_sd = settings_.px_per_m_sd;

@@ -21,6 +21,7 @@ namespace strobe::digitize {
 
 struct DigitizeSettings : FlightFacts {
   std::optional<double> ball_diameter_sd_m;
+  std::optional<double> fastest_spin_radps;  ///< copied to the frame
   std::optional<double>
       px_per_m;  ///< in the balls' plane, > 0; a first guess unless calibrated; absent: found
   std::optional<double> px_per_m_sd;  ///< present: px_per_m is calibrated, and copied to the frame

@@ -27,6 +27,7 @@ Result<digitize::DigitizeSettings> digitize_settings(const RigFile& rig, int wid
   digitize::DigitizeSettings settings;
   settings.ball_diameter_m = rig.ball.diameter_m;
   settings.ball_diameter_sd_m = rig.ball.diameter_sd_m;
+  settings.fastest_spin_radps = rig.ball.fastest_spin_radps;
   if (camera.px_per_m) {
     settings.px_per_m = *camera.px_per_m;
     settings.px_per_m_sd = camera.px_per_m_sd;

@@ -40,7 +40,8 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kAdvice{
     "Calibrate the camera again, or measure the ball's diameter.",
     "Look for an image that was measured wrongly, for blur, or for a camera that was touched; calibrate "
     "again.",
-    "State the scale's sd in the rig file, or calibrate the camera."};
+    "State the scale's sd in the rig file, or calibrate the camera.",
+    "State the fastest spin that the machine can throw ([ball] fastest_spin_radps), or use a coded train."};
 
 constexpr std::string_view kNoBall =
     "Look at the photograph. If the ball is on it, add its images by hand; if not, look whether the machine "

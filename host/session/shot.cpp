@@ -119,6 +119,7 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kWords{
     "the balls' diameters contradict the calibrated scale, which was believed as far as its sd says",
     "the measurements scatter more than their stated noise explains: uncertainties are too small",
     "the calibrated scale came without an sd and was taken as exact: uncertainties lack its share",
+    "a ball spinning faster than any in play would look the same; nobody stated how fast it can spin",
 };
 
 using reduction::Quantity;

@@ -110,6 +110,7 @@ Digitized digitize_by(Hand&& hand, const Scene& scene, const Exposure& exposure)
   frame.temperature_c = scene.air.temperature_c;
   frame.ball_mass_kg = scene.ball.mass_kg;
   frame.ball_alpha = scene.ball.alpha;
+  frame.fastest_spin_radps = known_fastest_spin_radps(scene);
   if (scene.air.density_kgpm3 >= 0.0) frame.air_density_kgpm3 = scene.air.density_kgpm3;  // by a barometer
   hand.state_noise(frame);
   for (const double share : kSurfacePoints)

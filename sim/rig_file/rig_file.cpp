@@ -100,10 +100,16 @@ std::string plan_table(const Timing& timing) {
          "\n[arming]\nexpires_s = 30\n\n[real_time]\npriority = 80\ncpu = -1\n\n";
 }
 
-std::string ball_table(const ball::Ball& ball) {
+std::string ball_table(const Scene& scene) {
+  const ball::Ball& ball = scene.ball;
+  const auto fastest = known_fastest_spin_radps(scene);
   return "[ball]\ndiameter_m = " + number(ball.diameter_m) + "\n" +
          line("diameter_sd_m = 0.0002", "as callipers would leave it") + "mass_kg = " + number(ball.mass_kg) +
-         "\n" + line(fmt::format("alpha = {}", ball.alpha), "moment of inertia over m R^2") + "\n";
+         "\n" + line(fmt::format("alpha = {}", ball.alpha), "moment of inertia over m R^2") +
+         (fastest
+              ? line("fastest_spin_radps = " + number(*fastest), "before the bounce: what the machine throws")
+              : "") +
+         "\n";
 }
 
 std::string analysis_table(const Scene& scene) {
@@ -204,7 +210,7 @@ std::string rig_file_text(const Scene& scene, const RigFileSettings& settings) {
           hardware_tables(scene, timing) + plan_table(timing);
   if (!settings.key_file.empty())
     text += "[commands]\n" + line("key_file = " + quoted(settings.key_file.string()), "the lab's key") + "\n";
-  return text + ball_table(scene.ball) + analysis_table(scene) + camera_table(scene, settings.photographs) +
+  return text + ball_table(scene) + analysis_table(scene) + camera_table(scene, settings.photographs) +
          record_table(scene) + report_tables(scene);
 }
 

@@ -251,4 +251,12 @@ struct Scene {
   std::vector<Fault> faults;
 };
 
+/// What the lab knows of its machine's spins: no rim is faster than those in play, 20.5 m/s; nothing where it
+/// is set for more.
+inline std::optional<double> known_fastest_spin_radps(const Scene& scene) {
+  const double fastest = 20.5 / scene.ball.radius_m();
+  const bool less = std::abs(scene.machine.spin_radps) + 6.0 * scene.machine.spin_sd_radps < fastest;
+  return less ? std::optional(fastest) : std::nullopt;
+}
+
 }  // namespace strobe::sim

@@ -261,6 +261,10 @@ double disturb_scene(Kind kind, Scene& scene, Random& random) {
     case Kind::long_period:
       lengthen_period(scene, random);
       return 1e3 * scene.period_s;
+    case Kind::fast_spin:
+    case Kind::fast_spin_coded:
+      spin_fast(scene, kind == Kind::fast_spin_coded, random);
+      return std::abs(scene.impact.omega_radps);
     case Kind::surface_point:
       scene.surface_points = random.integer(3, 6);
       return 0.0;

@@ -23,6 +23,7 @@ struct Explanation {
 
 constexpr std::string_view kMisfit = "residuals_exceed_noise", kOutlier = "outlier_image",
                            kFew = "no_redundancy", kAliased = "spin_aliased",
+                           kAssumed = "spin_limit_assumed",
                            kBall = "scale_contradicts_ball", kPoint = "outlier_surface_point",
                            kSurface = "surface_suspect", kOverlaps = "overlaps_surface",
                            kDegenerate = "degenerate_geometry";
@@ -55,6 +56,8 @@ constexpr std::array kExplanations{
     Explanation{Kind::wrong_leg, {kOutlier, kMisfit, kSurface, kOverlaps, kDegenerate}},
     Explanation{Kind::gap, {}},
     Explanation{Kind::air, {}},
+    Explanation{Kind::fast_spin, {kMisfit, kOutlier}},
+    Explanation{Kind::fast_spin_coded, {kMisfit, kOutlier}},
 };
 static_assert(kExplanations.size() == kKindCount);
 
@@ -135,6 +138,7 @@ bool is_fact(std::string_view flag) {
 }
 
 bool explains(std::string_view flag, Quantity quantity, Kind kind) {
+  if (flag == kAssumed) return true;  // all is given for spins up to the limit
   if (flag == kAliased) return follows_from_spin(quantity);
   return contains(kExplanations[static_cast<std::size_t>(kind)].flags, flag);
 }

@@ -150,6 +150,7 @@ void tell(const Scene& scene, Frame& frame) {
   frame.ball_diameter_m = scene.told_diameter_m;
   frame.ball_diameter_sd_m = scene.told_diameter_sd_m;
   frame.ball_alpha = scene.told_alpha;
+  frame.fastest_spin_radps = scene.told_fastest_spin_radps;
   frame.px_per_m = scene.told_px_per_m;
   frame.px_per_m_sd = scene.told_px_per_m_sd;
   frame.surface_angle_deg = scene.told_inclination_deg;

@@ -168,6 +168,13 @@ void lengthen_period(Scene& scene, Random& random) {
   scene.period_s = random.within(5e-3, 15e-3);
 }
 
+void spin_fast(Scene& scene, bool coded, Random& random) {
+  scene.impact.omega_radps = random.within(-1500.0, 1500.0);
+  scene.told_fastest_spin_radps.reset();
+  scene.coded = coded;
+  scene.period_s = random.within(1e-3, 6e-3);
+}
+
 Motion flown(const Motion& from, const Forces& forces, double duration_s) {
   const double steps = std::ceil(std::abs(duration_s) / kLongestStep_s);
   const int count = steps < 1.0 ? 1 : static_cast<int>(steps);

@@ -118,6 +118,7 @@ struct Scene {
   std::optional<double> told_diameter_sd_m;
   double mass_kg = 0.0576, alpha = 0.55;
   std::optional<double> told_alpha;  ///< absent: 0.55 is assumed
+  std::optional<double> told_fastest_spin_radps = 630.0;  ///< before the bounce
   // Air, plate.
   double drag_coefficient = 0.55, lift_factor = 1.0, spin_decay_per_m = 0.01, temperature_c = 20.0;
   bool tell_temperature = true;
@@ -158,5 +159,8 @@ Scene drawn_scene(const Settings& settings, Random& random);
 
 /// Makes the period so long, up to 15 ms, that most spins exceed what the train resolves.
 void lengthen_period(Scene& scene, Random& random);
+
+/// Lets the ball spin faster than any in play, and the period be 1 to 6 ms.
+void spin_fast(Scene& scene, bool coded, Random& random);
 
 }  // namespace strobe::contradictions

@@ -58,6 +58,8 @@ constexpr std::array kLimits{
     Limits{Kind::wrong_leg, {0.2, 0}, {0.2, 0}},
     Limits{Kind::gap, {0.2, 0}, {0.2, 0}},
     Limits{Kind::air, {0.2, 0}, {0.2, 0}},
+    Limits{Kind::fast_spin, {0.2, 0}, {0.2, 0}},
+    Limits{Kind::fast_spin_coded, {0.2, 0}, {0.2, 0}},
 };
 static_assert(kLimits.size() == kKindCount);
 

@@ -38,6 +38,8 @@ enum class Kind {
   wrong_leg,
   gap,
   air,
+  fast_spin,
+  fast_spin_coded,
 };
 
 struct KindInWords {
@@ -46,7 +48,7 @@ struct KindInWords {
 };
 
 /// In the order of Kind.
-inline constexpr std::array<KindInWords, 27> kKinds{{
+inline constexpr std::array<KindInWords, 29> kKinds{{
     {"none", "undisturbed"},
     {"unread_equators", "5-90 % of the equators unread, at random or every second or third"},
     {"long_period", "5-15 ms between flashes, spins up to 600 rad/s"},
@@ -74,6 +76,8 @@ inline constexpr std::array<KindInWords, 27> kKinds{{
     {"wrong_leg", "one image labelled with a wrong leg"},
     {"gap", "5-70 % of the images missing, at random or in a row"},
     {"air", "drag, lift, the spin's decay and alpha drawn from their tolerances"},
+    {"fast_spin", "spins up to 1,500 rad/s, of which nobody told, an even train of 1-6 ms"},
+    {"fast_spin_coded", "likewise, a coded train"},
 }};
 inline constexpr std::size_t kKindCount = kKinds.size();
 

@@ -44,6 +44,7 @@ reduction::Frame typical_frame(bool noise_stated) {
   frame.ball_diameter_m = 2 * kRadius_m;
   frame.ball_diameter_sd_m = 0.0008;
   frame.temperature_c = 21.0;
+  frame.fastest_spin_radps = 600.0;
   for (const double x : {-800.0, -400.0, 700.0, 1000.0}) frame.surface_px.push_back({x, error(2.0)});
   const auto add = [&](int flash, reduction::Leg leg, double x_m, double y_m, double angle_rad) {
     reduction::BallImage image;

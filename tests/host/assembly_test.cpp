@@ -27,6 +27,7 @@ using reduction::Readout;
 host::AssemblySettings settings() {
   host::AssemblySettings s;
   s.machine_lag_s = kMachineLag_s;
+  s.ball.fastest_spin_radps = 600.0;
   return s;
 }
 
@@ -126,9 +127,10 @@ TEST(Assembly, TheFrameKnowsTheBallAsTheRigFileDoes) {
   CHECK_FALSE(assembled(made).frame.ball_mass_kg.has_value());
   CHECK_FALSE(assembled(made).frame.ball_alpha.has_value());
   host::AssemblySettings heavy = settings();
-  heavy.ball = {.diameter_m = 0.0660, .mass_kg = 0.0585, .alpha = 0.6, .alpha_sd = 0.01};
+  heavy.ball = {.diameter_m = 0.0660, .mass_kg = 0.0585, .alpha = 0.6, .alpha_sd = 0.01, .fastest_spin_radps = 500.0};
   const reduction::Frame frame = host::assemble(made.shot, made.frame, heavy).frame;
   DOUBLES_EQUAL(0.0660, frame.ball_diameter_m, 0.0);
+  DOUBLES_EQUAL(500.0, frame.fastest_spin_radps.value(), 0.0);
   DOUBLES_EQUAL(0.0585, frame.ball_mass_kg.value(), 0.0);
   DOUBLES_EQUAL(0.6, frame.ball_alpha.value(), 0.0);
   DOUBLES_EQUAL(0.01, frame.ball_alpha_sd.value(), 0.0);

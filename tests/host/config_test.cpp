@@ -109,10 +109,11 @@ TEST(RigFileOfTheHost, KnowsTheBallsMassAndInertiaOnlyWhereTheFileSaysThem) {
   CHECK_FALSE(silent->ball.mass_kg.has_value());
   CHECK_FALSE(silent->ball.alpha.has_value());
   const auto said =
-      read_rig("rig = \"b\"\n[ball]\nmass_kg = 0.0585\nalpha = 0.6\nalpha_sd = 0.01\n", "rig.toml");
+      read_rig("rig = \"b\"\n[ball]\nmass_kg = 0.0585\nalpha = 0.6\nalpha_sd = 0.01\nfastest_spin_radps = 500\n", "rig.toml");
   DOUBLES_EQUAL(0.0585, said->ball.mass_kg.value(), 0);
   DOUBLES_EQUAL(0.6, said->ball.alpha.value(), 0);
   DOUBLES_EQUAL(0.01, said->ball.alpha_sd.value(), 0);
+  DOUBLES_EQUAL(500.0, said->ball.fastest_spin_radps.value(), 0);
 }
 
 TEST(RigFileOfTheHost, NamesWhatIsWrongInItsOwnTables) {

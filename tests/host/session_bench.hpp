@@ -22,6 +22,7 @@ inline host::AssemblySettings settings() {
   host::AssemblySettings s;
   s.machine_lag_s = host_test::kMachineLag_s;
   s.analysis.photograph_timeout_s = 5.0;
+  s.ball.fastest_spin_radps = 600.0;
   return s;
 }
 

@@ -26,6 +26,7 @@ host::AssemblySettings settings() {
   host::AssemblySettings s;
   s.machine_lag_s = kMachineLag_s;
   s.analysis.flash_time_sd_s = kFlashTimeSd_s;
+  s.ball.fastest_spin_radps = 600.0;
   return s;
 }
 

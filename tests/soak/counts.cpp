@@ -141,6 +141,7 @@ bool explains(Flag flag) {
     case Flag::scale_contradicts_ball:
     case Flag::residuals_exceed_noise:
     case Flag::scale_sd_unknown:
+    case Flag::spin_limit_assumed:
       return true;
     case Flag::outlier_image:
     case Flag::outlier_surface_point:

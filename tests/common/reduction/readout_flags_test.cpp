@@ -290,6 +290,82 @@ TEST(ReadoutFlags, NoPeriodIsSoLongThatAnAliasedSpinGoesUnflagged) {
   }
 }
 
+namespace {
+
+bool told_by(const Readout& r, SpinEvidence evidence) { return r.spin_told_by[static_cast<std::size_t>(evidence)]; }
+
+Setup untold() {
+  Setup setup;
+  setup.fastest_spin_radps.reset();
+  return setup;
+}
+
+/// A ball that slides throughout: Coulomb's friction, alpha 0.55.
+Bounce sliding(double omega_td) {
+  Bounce b;
+  b.vx_td = 18.0, b.vy_td = -6.1, b.vy_lo = 4.9, b.omega_td = omega_td;
+  const double change = 0.57 * (b.vy_lo - b.vy_td);
+  b.vx_lo = b.vx_td - change;
+  b.omega_lo = omega_td - change / (0.55 * 0.5 * b.diameter_m);
+  return b;
+}
+
+}  // namespace
+
+TEST(ReadoutFlags, ASpinThatNoFlashTellsFromAFasterOneIsToldByAnAssumption) {
+  test::Random random(11);
+  Frame frame = test::photograph(sliding(-95.0), untold(), random);
+  const Readout assumed = test::reduced_in_air(frame);
+  CHECK_TRUE(assumed.flags.has(Flag::spin_limit_assumed));
+  CHECK_TRUE(told_by(assumed, SpinEvidence::assumed_limit));
+  frame.fastest_spin_radps = 600.0;
+  const Readout stated = test::reduced_in_air(frame);
+  CHECK_FALSE(stated.flags.has(Flag::spin_limit_assumed));
+  CHECK_FALSE(told_by(stated, SpinEvidence::assumed_limit));
+  CHECK_TRUE(assumed.value == stated.value && assumed.sd == stated.sd);
+  frame.fastest_spin_radps = 1200.0;
+  const Readout open = test::reduced_in_air(frame);
+  CHECK_TRUE(open.flags.has(Flag::spin_aliased));
+  CHECK_TRUE(open.spin_told_by.none());
+}
+
+TEST(ReadoutFlags, NoFastBackspinIsReadAsAnotherInSilence) {
+  // Half a turn in 3 ms less, 1047 rad/s, looks the same.
+  test::Random random(12);
+  for (double omega = 800.0; omega < 1500.0; omega += 10.0) {
+    const Readout r = test::reduced_in_air(test::photograph(sliding(omega), untold(), random));
+    const bool right = std::abs(*r.value[Quantity::omega_td_radps] - omega) < 20.0;
+    CHECK_TRUE_TEXT(right || r.flags.has(Flag::spin_limit_assumed) || r.flags.has(Flag::spin_aliased),
+                    std::to_string(omega).c_str());
+  }
+}
+
+TEST(ReadoutFlags, TheAirsLiftTellsFastSpinsFromSlowOnesWherePathsAreKnownWell) {
+  Setup setup = untold();
+  setup.centre_sd_m = setup.surface_sd_m = 0.02e-3;
+  test::Random random(13);
+  const Readout r = test::reduced_in_air(test::photograph(sliding(-95.0), setup, random));
+  CHECK_TRUE(told_by(r, SpinEvidence::lift));
+  CHECK_FALSE(r.flags.has(Flag::spin_limit_assumed));
+}
+
+TEST(ReadoutFlags, UnequalIntervalsTellAnySpin) {
+  Setup setup = untold();
+  setup.flash_jitter_s = 0.5e-3;
+  test::Random random(14);
+  int told = 0;
+  for (int i = 0; i < 30; ++i) {
+    const double omega = 50.0 * i;
+    const Readout r = test::reduced_in_air(test::photograph(sliding(omega), setup, random));
+    if (r.flags.has(Flag::spin_aliased) || r.flags.has(Flag::spin_limit_assumed)) continue;
+    ++told;
+    // Of angles known to a degree, five over 12 ms: 1.8 rad/s.
+    CHECK_TRUE_TEXT(std::abs(*r.value[Quantity::omega_td_radps] - omega) < 15.0, std::to_string(omega).c_str());
+  }
+  // Some intervals are nearly equal by chance.
+  CHECK_TRUE_TEXT(told >= 27, std::to_string(told).c_str());
+}
+
 TEST(ReadoutFlags, NoBounceOfTheThesisBelowTheLimitContradictsFriction) {
   test::Random random(7);
   for (const Bounce& b : test::thesis_bounces()) {

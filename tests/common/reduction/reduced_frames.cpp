@@ -25,6 +25,7 @@ Frame straight_frame() {
   Frame frame;
   frame.shot_id = 7;
   frame.ball_diameter_m = 0.065;
+  frame.fastest_spin_radps = 630.0;
   frame.surface_px = {{0, 100}, {100, 100}, {200, 100}, {300, 100}};
   frame.centre_sd_px = 0.5;
   frame.diameter_sd_px = 0.5;

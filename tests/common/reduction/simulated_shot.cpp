@@ -165,6 +165,7 @@ Frame photograph(const Bounce& b, const Setup& s, Random& random) {
   Frame frame;
   frame.shot_id = 1;
   frame.ball_diameter_m = b.diameter_m;
+  frame.fastest_spin_radps = s.fastest_spin_radps;
   frame.surface_angle_deg = s.incline_rad * 180 / kPi * (s.mirror ? -1 : 1);
   for (const double x : s.surface_x_m) {
     PointPx p = project({x, 0.0}, u, s);

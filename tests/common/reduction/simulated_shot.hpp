@@ -40,6 +40,7 @@ struct Setup {
   Air air;
   std::vector<double> surface_x_m = {-0.20, -0.12, 0.18, 0.26};
   double time_origin_s = 0.0;
+  std::optional<double> fastest_spin_radps = 630.0;  ///< stated, before the bounce
   bool mirror = false, labels = true, state_noise = true;
   // Noise of digitizing by hand: half a millimetre, one degree.
   double centre_sd_m = 0.5e-3, diameter_sd_m = 0.5e-3, equator_sd_rad = 0.0175, surface_sd_m = 0.5e-3;
