@@ -273,12 +273,14 @@ Input any_input(Frame& frame) {
   return inputs[static_cast<std::size_t>(whole(0, static_cast<int>(inputs.size()) - 1))];
 }
 
-/// Which image is of which leg.
-std::vector<std::optional<Leg>> legs_of(const Frame& frame) {
-  std::vector<std::optional<Leg>> legs;
+/// Which image is of which leg, and whether its diameter measures the scale or the ball.
+using Uses = std::vector<std::pair<std::optional<Leg>, bool>>;
+
+Uses uses_of(const Frame& frame) {
+  Uses uses;
   const auto fits = image_fits(frame);
-  for (const ImageFit& image : *fits) legs.push_back(image.leg);
-  return legs;
+  for (const ImageFit& image : *fits) uses.emplace_back(image.leg, image.diameter_used);
+  return uses;
 }
 
 /// What a readout says that is no number: the switches.
@@ -293,7 +295,8 @@ bool alike(const Readout& a, const Readout& b) {
 }  // namespace
 
 // Second differences of steps of a fiftieth of an input's sd: a number goes with it by its sd at most, which makes
-// 0.02 sd a step, and itself changes by less than a tenth of it in an sd; near a zero of its divisor by more.
+// 0.02 sd a step, and itself changes by less than a tenth of it in an sd. Where a divisor near zero begins to count there
+// is a kink, of a tenth of a step.
 TEST(ReductionProperties, NumbersAndSdsFollowEachInputWithoutAJump) {
   CHECK(holds_of_all([](Worst& worst) {
     Frame frame = one_in(5) ? test::any_flight() : test::any_frame();
@@ -302,14 +305,14 @@ TEST(ReductionProperties, NumbersAndSdsFollowEachInputWithoutAJump) {
     for (const Estimator estimator : {Estimator::best, Estimator::two_point}) {
       if (frame.surface_px.empty() && estimator != Estimator::best) continue;
       std::vector<Readout> last;
-      std::vector<std::optional<Leg>> legs;
+      Uses uses;
       const double start = *input.value;
       for (int step = 0; step < 20; ++step) {
         *input.value = start + step * input.step;
         auto readout = reduce(frame, estimator);
         RC_ASSERT(readout.has_value());
-        const auto before = std::exchange(legs, legs_of(frame));
-        if (!last.empty() && !(before == legs && alike(last.back(), *readout))) last.clear();
+        const Uses before = std::exchange(uses, uses_of(frame));
+        if (!last.empty() && !(before == uses && alike(last.back(), *readout))) last.clear();
         last.push_back(std::move(*readout));
         // Which image, which spins it may be, and whether a leg meets the surface at all are switches, too.
         const auto& flags = last.back().flags;
@@ -328,8 +331,8 @@ TEST(ReductionProperties, NumbersAndSdsFollowEachInputWithoutAJump) {
           RC_LOG() << input.name << ": " << last.back().method << ' ' << kQuantityNames[i] << ' ' << *back(2).value[q]
                    << ' ' << *back(1).value[q] << ' ' << *back(0).value[q] << " +- " << *back(2).sd[q] << ' '
                    << *back(1).sd[q] << ' ' << *back(0).sd[q] << '\n';
-          RC_ASSERT(worst.within(std::abs(value) / *back(1).sd[q], 1e-3));
-          RC_ASSERT(worst.within(std::abs(sd) / *back(1).sd[q], 1e-3));
+          RC_ASSERT(worst.within(std::abs(value) / *back(1).sd[q], 5e-3));
+          RC_ASSERT(worst.within(std::abs(sd) / *back(1).sd[q], 5e-3));
         }
       }
       *input.value = start;
