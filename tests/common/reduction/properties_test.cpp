@@ -295,8 +295,8 @@ bool alike(const Readout& a, const Readout& b) {
 }  // namespace
 
 // Second differences of steps of a fiftieth of an input's sd: a number goes with it by its sd at most, which makes
-// 0.02 sd a step, and itself changes by less than a tenth of it in an sd. Where a divisor near zero begins to count there
-// is a kink, of a tenth of a step.
+// 0.02 sd a step, and itself changes by less than a tenth of it in an sd. Where a divisor near zero begins to count
+// there is a kink, of a tenth of a step.
 TEST(ReductionProperties, NumbersAndSdsFollowEachInputWithoutAJump) {
   CHECK(holds_of_all([](Worst& worst) {
     Frame frame = one_in(5) ? test::any_flight() : test::any_frame();
