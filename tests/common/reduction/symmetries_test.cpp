@@ -182,6 +182,7 @@ Frame in_units(Frame frame, double length, double time) {
     image.time_s = start_s + time * (image.time_s - start_s);
     if (image.time_sd_s) *image.time_sd_s *= time;
   }
+  if (frame.fastest_spin_radps) *frame.fastest_spin_radps /= time;
   *frame.ball_mass_kg *= length * length;
   *frame.air_density_kgpm3 /= length;
   return frame;
