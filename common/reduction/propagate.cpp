@@ -61,7 +61,7 @@ struct Quotient {
 /// too narrow where the divisor came out too large. The quotients that the measurements do not exclude at k
 /// sd (Fieller, J. R. Statist. Soc. B 16, 1954) reach k times this many sd to their far side, for a divisor
 /// with the relative sd `share`. Returns nullopt if they have no end: the divisor may be zero.
-std::optional<double> stretched(double k, double share, double correlation) {
+std::optional<double> fieller_reach(double k, double share, double correlation) {
   const double reach = k * share;
   const double left = 1.0 - reach * reach;
   if (!(left > 0.0)) return std::nullopt;
@@ -131,8 +131,8 @@ class Uncertainty {
     return std::hypot(derivative * *fit_.observations.ball_diameter_sd_m, air);
   }
 
-  /// What a quotient's variance lacks to the first order, see stretched(). Returns nullopt if the divisor may
-  /// be zero. `whole_sd`: of the number that it is part of.
+  /// What a quotient's variance lacks to the first order, see fieller_reach(). Returns nullopt if the divisor
+  /// may be zero. `whole_sd`: of the number that it is part of.
   std::optional<double> lacking_variance(const Quotient& q, double whole_sd) const {
     const auto sd = statistical(q.of), divisor_sd = statistical(q.divisor);
     const double negligible_sd = kNegligibleShareOfSd * whole_sd;
@@ -140,7 +140,7 @@ class Uncertainty {
     const double both = std::sqrt(covariance(q.of, q.of)) * std::sqrt(covariance(q.divisor, q.divisor));
     if (!(both > 0.0)) return 0.0;
     const double correlation = std::min(std::abs(covariance(q.of, q.divisor)) / both, 1.0);
-    const auto reach = stretched(kNoise_sd, divisor_sd->sd / std::abs(q.divisor.value), correlation);
+    const auto reach = fieller_reach(kNoise_sd, divisor_sd->sd / std::abs(q.divisor.value), correlation);
     if (!reach) return std::nullopt;
     const double factor = std::max(kNoise_sd / kHeld_sd * *reach, 1.0);
     // From nothing on, where the part begins to count.
@@ -424,7 +424,7 @@ Crossings propagate(const ShotFit& fit, const PropagationOptions& options, Reado
 }
 
 bool may_lack_variance(const Numbers& numbers) {
-  // stretched() is at most 1 / (1 - k share).
+  // fieller_reach() is at most 1 / (1 - k share).
   constexpr double kShare = (1.0 - kNoise_sd / kHeld_sd) / kNoise_sd;
   constexpr std::array kDivisors{Quantity::v_td_mps, Quantity::vy_td_mps, Quantity::v_lo_mps,
                                  Quantity::vy_lo_mps};

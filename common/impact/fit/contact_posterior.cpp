@@ -215,14 +215,14 @@ double value_sd(const Fitter& least, Parameter p, Index k, const Posterior& foun
 /// Whether the data tell each coordinate by its share of the prior's sd, but no more of them than there are
 /// directions in which the data tell as much: of one condition's shots, however many, two, by vx and spin.
 std::vector<bool> told(const MatrixXd& covariance, const VectorXd& prior_sds) {
-  constexpr double kMostVariance = kUntoldShare * kUntoldShare;
+  constexpr double kToldVariance = kUntoldShare * kUntoldShare;
   const VectorXd per_prior = prior_sds.cwiseInverse();
   const MatrixXd in_priors = per_prior.asDiagonal() * covariance * per_prior.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(in_priors);  // as elsewhere: compiled once
-  const auto directions = (axes.eigenvalues().array() <= kMostVariance).count();
+  const auto directions = (axes.eigenvalues().array() <= kToldVariance).count();
   std::vector<bool> out;
   for (const double variance : in_priors.diagonal())
-    out.push_back(variance <= kMostVariance &&
+    out.push_back(variance <= kToldVariance &&
                   (in_priors.diagonal().array() < variance).count() < directions);
   return out;
 }
