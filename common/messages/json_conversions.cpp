@@ -382,13 +382,11 @@ ordered_json names_json(const std::array<std::string_view, kCount>& names, const
 }
 
 ordered_json contact_json(const reduction::ContactImage& image) {
-  ordered_json object;
-  object["height_cm"] = image.height_cm;
-  object["time_fraction"] = image.time_fraction;
-  object["x_fraction"] = image.x_fraction;
-  object["y_fraction"] = image.y_fraction;
-  object["rotation_fraction"] = image.rotation_fraction;
-  return object;
+  return {{"height_cm", image.height_cm},
+          {"time_fraction", image.time_fraction},
+          {"x_fraction", image.x_fraction},
+          {"y_fraction", image.y_fraction},
+          {"rotation_fraction", image.rotation_fraction}};
 }
 
 void put_flashes(ordered_json& object, const std::optional<reduction::ImagedFlashes>& flashes) {
@@ -418,7 +416,8 @@ ordered_json readout_json(const Readout& readout) {
   put(object, readout.value);
   object["regime"] = readout.regime ? ordered_json(std::string(name(*readout.regime))) : ordered_json();
   object["court_pace_conforming"] = readout.court_pace_conforming;
-  object["method"] = readout.method, object["mirrored"] = readout.mirrored;
+  object["method"] = readout.method;
+  object["mirrored"] = readout.mirrored;
   std::bitset<flight::kEffectNames.size()> effects;
   for (std::size_t i = 0; i < effects.size(); ++i)
     effects[i] = readout.flight_effects.*flight::kEffectMembers[i];
@@ -431,7 +430,7 @@ ordered_json readout_json(const Readout& readout) {
   object["degrees_of_freedom"] = quantities_json(readout.degrees_of_freedom);
   object["expanded_uncertainty"] = quantities_json(expanded(readout));
   put_residual_ratios(object, readout.residual_ratios);
-  object["spin_told_by"] = names_json(reduction::kSpinEvidenceNames, readout.spin_told_by);
+  object["spin_told_by"] = names_json(reduction::kSpinEvidenceNames, readout.spin_told_by.bits());
   if (const auto& cause = readout.likely_cause)
     object["likely_cause"] = {{"cause", name(cause->cause)}, {"value", cause->value}, {"sd", cause->sd}};
   if (readout.launch) object["launch"] = launch_json(*readout.launch);

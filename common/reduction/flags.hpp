@@ -75,18 +75,20 @@ inline constexpr std::size_t kFlagCount = kFlagNames.size();
 
 constexpr std::string_view name(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }
 
-/// A set of flags, iterated in the order of the list.
-class FlagSet {
+/// A set of an enumeration's values, which count from 0.
+template <typename Enum, std::size_t kCount>
+class EnumSet {
  public:
-  void set(Flag flag) { bits_.set(static_cast<std::size_t>(flag)); }
-  bool has(Flag flag) const { return bits_.test(static_cast<std::size_t>(flag)); }
+  void set(Enum value) { bits_.set(static_cast<std::size_t>(value)); }
+  bool has(Enum value) const { return bits_.test(static_cast<std::size_t>(value)); }
   bool empty() const { return bits_.none(); }
-  const std::bitset<kFlagCount>& bits() const { return bits_; }
-  void merge(const FlagSet& other) { bits_ |= other.bits_; }
-  bool operator==(const FlagSet&) const = default;
+  const std::bitset<kCount>& bits() const { return bits_; }
+  void merge(const EnumSet& other) { bits_ |= other.bits_; }
+  bool operator==(const EnumSet&) const = default;
 
  private:
-  std::bitset<kFlagCount> bits_;
+  std::bitset<kCount> bits_;
 };
+using FlagSet = EnumSet<Flag, kFlagCount>;
 
 }  // namespace strobe::reduction

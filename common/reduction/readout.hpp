@@ -5,7 +5,6 @@
 #pragma once
 
 #include <array>
-#include <bitset>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -152,7 +151,7 @@ enum class SpinEvidence {
 };
 inline constexpr std::array<std::string_view, 4> kSpinEvidenceNames{"train", "friction", "lift",
                                                                     "assumed_limit"};
-using SpinEvidenceSet = std::bitset<kSpinEvidenceNames.size()>;
+using SpinEvidenceSet = EnumSet<SpinEvidence, kSpinEvidenceNames.size()>;
 
 struct Numbers {
   Quantities value;

@@ -73,8 +73,7 @@ void note(const SpinCheck& spins, Readout& readout) {
   if (spins.in_doubt || spins.faster) readout.flags.set(Flag::spin_aliased);
   if (readout.flags.has(Flag::spin_aliased)) return;
   readout.spin_told_by = spins.told_by;
-  if (spins.told_by[static_cast<std::size_t>(SpinEvidence::assumed_limit)])
-    readout.flags.set(Flag::spin_limit_assumed);
+  if (spins.told_by.has(SpinEvidence::assumed_limit)) readout.flags.set(Flag::spin_limit_assumed);
 }
 
 using Primary = std::array<std::optional<double>, kPrimaryCount>;

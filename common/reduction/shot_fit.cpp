@@ -325,7 +325,7 @@ void orient(ShotFit& fit) {
 }  // namespace
 
 std::vector<OtherSpin> faster_spins(const ShotFit& fit, std::size_t leg) {
-  if (!fit.spin[leg] || fit.observations.stated_fastest_radps) return {};
+  if (!fit.spin[leg]) return {};
   std::vector<EquatorReading> left_out;
   read_equators(fit, leg, false, left_out);
   return faster_spins(fit.equators[leg], left_out, spin_search(fit)[leg], *fit.spin[leg]);

@@ -183,10 +183,9 @@ struct SpinCandidate {
 
 std::vector<SpinCandidate> spin_candidates(const std::vector<Hypothesis>& known, const ShotFit& fit,
                                            std::size_t leg) {
+  if (known.empty()) return std::vector<SpinCandidate>(1);
   std::vector<SpinCandidate> all;
-  if (known.empty()) all.push_back({});
   for (const Hypothesis& h : known) all.push_back({h.omega_radps});
-  if (known.empty()) return all;
   const double to_surface = known.front().omega_radps - fit.spin[leg]->omega_radps;
   for (const OtherSpin& other : faster_spins(fit, leg))
     all.push_back({other.omega_radps + to_surface, other.excess, true, other.probable});
@@ -201,33 +200,50 @@ bool friction_allows(const std::optional<Friction>& friction, const SpinCandidat
   return friction->likely(*td.omega_radps, *lo.omega_radps);
 }
 
+/// What the pair is compared with, and by.
+struct Comparison {
+  const ShotFit& fit;
+  const std::optional<Friction>& friction;
+  std::array<std::optional<double>, 2> fitted_radps;
+  std::optional<LiftMisfit> lift = std::nullopt;  ///< absent: not asked yet
+};
+
+/// Raises `excess` by the paths' where it comes to that.
+SpinEvidence what_excludes(const SpinCandidate& td, const SpinCandidate& lo, Comparison& with,
+                           double& excess) {
+  const double possible_radps = kTearingRim_mps / with.fit.observations.ball.radius_m();
+  if (!friction_allows(with.friction, td, lo, possible_radps)) return SpinEvidence::friction;
+  if (!with.lift) with.lift.emplace(with.fit);
+  excess +=
+      with.lift->chi_squared({td.omega_radps, lo.omega_radps}) - with.lift->chi_squared(with.fitted_radps);
+  return excess >= kComparableSpins ? SpinEvidence::lift : SpinEvidence::assumed_limit;
+}
+
+/// The spins fitted contradict friction, or are themselves beyond what was assumed.
+bool fitted_improbable(const Comparison& c) {
+  const auto& [td, lo] = c.fitted_radps;
+  if (std::abs(td.value_or(0.0)) > kJustFaster * c.fit.observations.fastest_spin_radps()) return true;
+  return c.friction && td && lo && !c.friction->allows(*td, *lo);
+}
+
 void check_faster(const Hypotheses& spins, const std::optional<Friction>& friction, const ShotFit& fit,
                   SpinCheck& check) {
+  if (fit.observations.stated_fastest_radps) return;
   const std::array all{spin_candidates(spins[0], fit, 0), spin_candidates(spins[1], fit, 1)};
-  std::optional<LiftMisfit> lift;
-  const bool fitted_faster = std::abs(all[0].front().omega_radps.value_or(0.0)) >
-                             kJustFaster * fit.observations.fastest_spin_radps();
+  Comparison comparison{fit, friction, {all[0].front().omega_radps, all[1].front().omega_radps}};
+  bool probable = false;
   for (const SpinCandidate& td : all[0]) {
     for (const SpinCandidate& lo : all[1]) {
       double excess = td.excess + lo.excess;
       if (!(td.faster || lo.faster) || excess >= kComparableSpins) continue;
-      const auto excluded = [&] {
-        if (!friction_allows(friction, td, lo, kTearingRim_mps / fit.observations.ball.radius_m()))
-          return SpinEvidence::friction;
-        if (!lift) lift.emplace(fit);
-        excess += lift->chi_squared({td.omega_radps, lo.omega_radps}) -
-                  lift->chi_squared({all[0].front().omega_radps, all[1].front().omega_radps});
-        return excess >= kComparableSpins ? SpinEvidence::lift : SpinEvidence::assumed_limit;
-      }();
-      check.told_by.set(static_cast<std::size_t>(excluded));
-      const bool fitted_excluded =
-          friction && all[0].front().omega_radps && all[1].front().omega_radps &&
-          !friction->allows(*all[0].front().omega_radps, *all[1].front().omega_radps);
+      const SpinEvidence excluded = what_excludes(td, lo, comparison, excess);
+      check.told_by.set(excluded);
       if (excluded != SpinEvidence::assumed_limit || !td.probable || !lo.probable) continue;
+      probable = true;
       check.far_better |= excess < -kFarBetter;
-      check.faster |= fitted_excluded || fitted_faster || check.far_better;
     }
   }
+  check.faster = check.far_better || (probable && fitted_improbable(comparison));
 }
 
 }  // namespace
@@ -239,10 +255,9 @@ SpinCheck check_spins(const Readout& readout, const ShotFit& fit) {
   const auto friction = Friction::of(readout, fit);
   check.in_doubt = spins_in_doubt(spins, friction, fit);
   check_faster(spins, friction, fit, check);
-  if (spins[0].size() > 1 || spins[1].size() > 1)
-    check.told_by.set(static_cast<std::size_t>(SpinEvidence::friction));
-  if (check.told_by.none()) check.told_by.set(static_cast<std::size_t>(SpinEvidence::train));
-  if (check.in_doubt || check.faster) check.told_by.reset();
+  if (spins[0].size() > 1 || spins[1].size() > 1) check.told_by.set(SpinEvidence::friction);
+  if (check.told_by.empty()) check.told_by.set(SpinEvidence::train);
+  if (check.in_doubt || check.faster) check.told_by = {};
   return check;
 }
 

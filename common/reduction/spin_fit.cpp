@@ -77,29 +77,21 @@ Interval shortest_interval(const std::vector<EquatorReading>& readings,
 
 bool within(double omega, double limit) { return std::abs(omega) <= limit * (1.0 + 1e-12); }
 
-struct SpinRange {
-  double above_radps = 0.0;  ///< 0: none is too slow
-  double to_radps = 0.0;
-};
-
-/// All spins of the range that readings `pair` and `pair + 1` allow.
+/// All spins up to the limit that readings `pair` and `pair + 1` allow.
 void propose_from(std::size_t pair, const std::vector<EquatorReading>& readings,
-                  const std::vector<EquatorReading>& left_out, const SpinRange& range,
+                  const std::vector<EquatorReading>& left_out, double limit,
                   std::vector<Proposal>& proposals) {
-  const auto in_range = [&](double omega) {
-    return within(omega, range.to_radps) && (range.above_radps == 0.0 || std::abs(omega) > range.above_radps);
-  };
   const double interval = readings[pair + 1].time_s - readings[pair].time_s;
   const double base = wrap_half_turn(readings[pair + 1].angle_rad - readings[pair].angle_rad) / interval;
   const double branch = kPi / interval;
   if (!std::isfinite(base)) return;
-  const double branches = std::ceil((range.to_radps + std::abs(base)) / branch);
+  const double branches = std::ceil((limit + std::abs(base)) / branch);
   const int most = branches < kMaxBranches ? static_cast<int>(branches) : kMaxBranches;
   for (int k = -most; k <= most; ++k) {
     const double omega = base + k * branch;
-    if (!within(omega, range.to_radps)) continue;
+    if (!within(omega, limit)) continue;
     const SpinLine line = follow(readings, pair, omega);
-    if (!in_range(line.slope())) continue;
+    if (!within(line.slope(), limit)) continue;
     proposals.push_back({line, line.slope(), robust_cost(readings, line) + robust_cost(left_out, line)});
   }
 }
@@ -108,8 +100,7 @@ std::vector<Proposal> propose(const std::vector<EquatorReading>& readings,
                               const std::vector<EquatorReading>& left_out, double limit) {
   std::vector<Proposal> proposals;
   proposals.reserve(readings.size());
-  for (std::size_t i = 0; i + 1 < readings.size(); ++i)
-    propose_from(i, readings, left_out, {.to_radps = limit}, proposals);
+  for (std::size_t i = 0; i + 1 < readings.size(); ++i) propose_from(i, readings, left_out, limit, proposals);
   return proposals;
 }
 
@@ -339,14 +330,15 @@ std::vector<OtherSpin> faster_spins(const std::vector<EquatorReading>& as_read,
   const std::size_t pair = shortest_pair(readings);
   const double apart = 0.5 * kPi / (readings[pair + 1].time_s - readings[pair].time_s);
   std::vector<Proposal> proposals;
+  propose_from(pair, readings, left_out, search.possible_radps, proposals);
   // A line by other weights than the alternatives' may be as much slower.
   constexpr double kSlower = 0.98;
-  propose_from(pair, readings, left_out,
-               {.above_radps = kSlower * search.fastest_radps, .to_radps = search.possible_radps}, proposals);
   std::vector<OtherSpin> others;
   for (const Proposal& p : proposals) {
+    if (std::abs(p.omega) <= kSlower * search.fastest_radps) continue;
+    if (std::abs(p.omega - fit.omega_radps) < apart) continue;
     // No decay makes up for more than two readings that are off.
-    if (std::abs(p.omega - fit.omega_radps) < apart || p.cost > limit + 2.0 * kCostLimit) continue;
+    if (p.cost > limit + 2.0 * kCostLimit) continue;
     const double other = cost(p.line);
     if (!(other < limit)) continue;
     const bool probable = p.cost < kComparableSpins || !improbable(p.cost, readings.size());

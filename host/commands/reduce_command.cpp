@@ -81,8 +81,8 @@ class Reducer {
       if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
       any = true;
       const std::string place = fmt::format("{}:{}: ", file, number);
-      const auto frame = messages::frame_from_json(line);
-      frame ? reduce(*frame, place) : bad(place + frame.error().message);
+      auto frame = messages::frame_from_json(line);
+      frame ? reduce(std::move(*frame), place) : bad(place + frame.error().message);
     }
     if (input.bad()) return fail(file + ": cannot be read to its end");
     if (!any) bad(file + ": no frames");

@@ -292,7 +292,7 @@ TEST(ReadoutFlags, NoPeriodIsSoLongThatAnAliasedSpinGoesUnflagged) {
 
 namespace {
 
-bool told_by(const Readout& r, SpinEvidence evidence) { return r.spin_told_by[static_cast<std::size_t>(evidence)]; }
+bool told_by(const Readout& r, SpinEvidence evidence) { return r.spin_told_by.has(evidence); }
 
 Setup untold() {
   Setup setup;
@@ -326,7 +326,7 @@ TEST(ReadoutFlags, ASpinThatNoFlashTellsFromAFasterOneIsToldByAnAssumption) {
   frame.fastest_spin_radps = 1200.0;
   const Readout open = test::reduced_in_air(frame);
   CHECK_TRUE(open.flags.has(Flag::spin_aliased));
-  CHECK_TRUE(open.spin_told_by.none());
+  CHECK_TRUE(open.spin_told_by.empty());
 }
 
 TEST(ReadoutFlags, NoFastBackspinIsReadAsAnotherInSilence) {
