@@ -122,16 +122,20 @@ Result<BoardView> find(const digitize::Photograph& photograph, const BoardPatter
                                         : refine_discs(photograph.intensity, points);
   BoardView view;
   view.name = photograph.name;
-  for (int row = 0; row < pattern.rows; ++row) {
-    for (int column = 0; column < pattern.columns; ++column) {
-      view.board_m.push_back(place(pattern, column, row));
-    }
-  }
+  view.board_m = board_points(pattern);
   view.image_px.assign(points.begin(), points.end());
   return view;
 }
 
 }  // namespace
+
+std::vector<cv::Point2d> board_points(const BoardPattern& pattern) {
+  std::vector<cv::Point2d> points;
+  for (int row = 0; row < pattern.rows; ++row) {
+    for (int column = 0; column < pattern.columns; ++column) points.push_back(place(pattern, column, row));
+  }
+  return points;
+}
 
 std::string describe(const BoardPattern& pattern) {
   const char* kind = pattern.kind == BoardKind::chessboard ? "chessboard"

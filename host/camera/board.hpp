@@ -24,6 +24,9 @@ struct BoardPattern {
 /// "chessboard 9 x 6, 20 mm"
 std::string describe(const BoardPattern& pattern);
 
+/// Its points in metres, row by row from one corner.
+std::vector<cv::Point2d> board_points(const BoardPattern& pattern);
+
 /// A board as it was seen: its points in metres on the board, and on the photograph in image px.
 struct BoardView {
   std::string name;  ///< the photograph's

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <numeric>
 #include <opencv2/calib3d.hpp>
 
@@ -246,105 +245,37 @@ Result<BoardFit> fit_all(std::span<const BoardView> views, int width_px, int hei
   return finish(problem, solution, lens, outliers);
 }
 
-constexpr double kMaxShare = 0.25;
+/// Of a view that is not taken yet.
+struct PlannedInformation {
+  cv::Mat homography_covariance;  ///< the lens being known
+  cv::Mat homography_by_lens;     ///< how its homography follows the lens' terms
+  cv::Mat of_lens;                ///< the information that it adds
+};
 
-/// How far the first two columns are from right angles and from equal lengths, as shares.
-cv::Vec2d deviations(std::span<const double> h, double focal) {
-  const cv::Vec3d a(h[0] / focal, h[3] / focal, h[6]), b(h[1] / focal, h[4] / focal, h[7]);
-  const double size = 0.5 * (a.dot(a) + b.dot(b));
-  return {a.dot(b) / size, 0.5 * (a.dot(a) - b.dot(b)) / size};
+PlannedInformation planned_information(const BoardFit& fit, std::span<const cv::Point2d> board_m,
+                                       const cv::Matx33d& homography) {
+  Problem problem;  // without noise the priors weigh nothing: the fit has them
+  problem.views = 1;
+  for (const cv::Point2d& p : board_m) problem.points.push_back({0, p, {}, true});
+  cv::Mat x(problem.parameters(), 1, CV_64F), residuals, slopes;
+  for (int i = 0; i < kPerView; ++i) x.at<double>(i) = homography.val[i] / homography.val[kPerView];
+  std::copy(fit.parameters.end() - kTerms, fit.parameters.end(), x.ptr<double>(kPerView));
+  Equations(problem).compute(x, residuals, slopes);
+  slopes *= fit.lens.focal_px / std::max(fit.sigma_px, 1e-9);
+  const cv::Mat own = slopes.colRange(0, kPerView), lens = slopes.colRange(kPerView, kPerView + kTerms);
+  PlannedInformation planned;
+  cv::invert(own.t() * own, planned.homography_covariance, cv::DECOMP_CHOLESKY);
+  planned.homography_by_lens = -planned.homography_covariance * (own.t() * lens);
+  planned.of_lens = lens.t() * lens + lens.t() * own * planned.homography_by_lens;
+  return planned;
 }
 
-/// The lens' centre is taken to be the photograph's, from which lenses are some per mille of the diagonal
-/// off: enough to make a slight tilt tell nothing of the focal length.
-cv::Matx22d centre_spread(const std::vector<double>& h, double focal) {
-  constexpr double kCentreSd = 0.004;
-  cv::Matx22d spread = cv::Matx22d::zeros();
-  for (const std::size_t row : {std::size_t{0}, std::size_t{3}}) {
-    std::vector<double> moved = h;
-    for (std::size_t i = 0; i < 2; ++i) moved[row + i] += kCentreSd * h[6 + i];
-    const cv::Vec2d change = deviations(moved, focal) - deviations(h, focal);
-    spread += change * change.t();
-  }
-  return spread;
-}
-
-double chi_square(const BoardFit& fit, std::size_t view, double focal) {
-  std::vector<double> h(fit.parameters.begin() + static_cast<std::ptrdiff_t>(view * kPerView),
-                        fit.parameters.begin() + static_cast<std::ptrdiff_t>((view + 1) * kPerView));
-  const cv::Vec2d g = deviations(h, focal);
-  cv::Matx<double, 2, 8> slopes;
-  cv::Matx<double, 8, 8> covariance;
-  for (std::size_t i = 0; i < kPerView; ++i) {
-    const double step = 1e-6 * std::max(std::abs(h[i]), 1e-3), kept = h[i];
-    h[i] = kept + step;
-    const cv::Vec2d up = deviations(h, focal);
-    h[i] = kept - step;
-    const cv::Vec2d slope = (up - deviations(h, focal)) * (0.5 / step);
-    h[i] = kept;
-    slopes(0, static_cast<int>(i)) = slope[0];
-    slopes(1, static_cast<int>(i)) = slope[1];
-    for (std::size_t j = 0; j < kPerView; ++j) {
-      covariance(static_cast<int>(i), static_cast<int>(j)) = fit.covariance.at<double>(
-          static_cast<int>(view * kPerView + i), static_cast<int>(view * kPerView + j));
-    }
-  }
-  const cv::Matx22d spread =
-      slopes * covariance * slopes.t() + centre_spread(h, focal) + cv::Matx22d::eye() * 1e-24;
-  return (g.t() * spread.inv() * g)(0);
-}
-
-LensPose pose_of(const BoardFit& fit, double focal) {
-  const std::span<const double> h(fit.parameters.data(), kPerView);
-  cv::Vec3d a(h[0] / focal, h[3] / focal, h[6]), b(h[1] / focal, h[4] / focal, h[7]);
-  const cv::Vec3d t(h[2] / focal, h[5] / focal, 1.0);
-  const double length = std::sqrt(0.5 * (a.dot(a) + b.dot(b)));
-  a = a * (1.0 / length);
-  b = b * (1.0 / length);
-  const cv::Vec3d normal = cv::normalize(a.cross(b));
-  const cv::Vec3d to_board = t * (1.0 / length);
-  LensPose pose;
-  pose.focal = focal;
-  pose.foot_m = {-a.dot(to_board), -b.dot(to_board)};
-  pose.distance_m = std::abs(normal.dot(to_board));
-  pose.tilt_rad = std::acos(std::min(1.0, std::abs(normal[2])));
-  return pose;
-}
-
-/// Where a function of one variable that was least at `least` has risen by one, in a direction.
-double risen_by_one(const std::function<double(double)>& f, double least, double direction, double limit) {
-  const double wanted = f(least) + 1.0;
-  double inside = 0.0, outside = 1e-5;
-  while (f(least + direction * outside) < wanted) {
-    inside = outside;
-    outside *= 1.5;
-    if (outside > limit) return limit;
-  }
-  for (int i = 0; i < 40; ++i) {
-    const double middle = 0.5 * (inside + outside);
-    (f(least + direction * middle) < wanted ? inside : outside) = middle;
-  }
-  return outside;
-}
-
-double least_of(const std::function<double(double)>& f, double from, double to) {
-  constexpr int kSteps = 300;
-  const double step = (to - from) / kSteps;
-  double best = from;
-  double value = f(from);
-  for (int i = 1; i <= kSteps; ++i) {
-    const double at = f(from + i * step);
-    if (at < value) {
-      value = at;
-      best = from + i * step;
-    }
-  }
-  double low = best - step, high = best + step;
-  for (int i = 0; i < 80; ++i) {
-    const double third = (high - low) / 3.0;
-    f(low + third) < f(high - third) ? high -= third : low += third;
-  }
-  return 0.5 * (low + high);
+/// The covariance once the lens' terms are told of by so much more information (Woodbury's identity).
+cv::Mat informed(const cv::Mat& covariance, const cv::Mat& of_lens) {
+  const int n = covariance.rows;
+  const cv::Mat with_lens = covariance.colRange(n - kTerms, n);
+  const cv::Mat gain = cv::Mat::eye(kTerms, kTerms, CV_64F) + with_lens.rowRange(n - kTerms, n) * of_lens;
+  return covariance - with_lens * of_lens * gain.inv() * with_lens.t();
 }
 
 }  // namespace
@@ -373,28 +304,27 @@ Result<BoardFit> fit_boards(std::span<const BoardView> views, int width_px, int 
   }
 }
 
-std::optional<LensPose> locate_lens(const BoardFit& fit, std::optional<double> distance_m,
-                                    double distance_sd_m) {
-  const auto misfit = [&](double log_focal) {
-    const double focal = std::exp(log_focal);
-    double sum = 0.0;
-    for (std::size_t v = 0; v < fit.homographies.size(); ++v) sum += chi_square(fit, v, focal);
-    if (!distance_m) return sum;
-    const double off = (pose_of(fit, focal).distance_m - *distance_m) / distance_sd_m;
-    return sum + off * off;
-  };
-  // From a fisheye to a telescope, in diagonals of the photograph.
-  const double from = std::log(0.15), to = std::log(150.0);
-  const double best = least_of(misfit, from, to);
-  const double above = risen_by_one(misfit, best, 1.0, 1.0), below = risen_by_one(misfit, best, -1.0, 1.0);
-  LensPose pose = pose_of(fit, std::exp(best));
-  const double high = pose_of(fit, std::exp(best + above)).distance_m;
-  const double low = pose_of(fit, std::exp(best - below)).distance_m;
-  pose.distance_sd_m = 0.5 * std::abs(high - low);
-  if (std::max(above, below) >= kMaxShare || pose.distance_sd_m > kMaxShare * pose.distance_m) {
-    return std::nullopt;
-  }
-  return pose;
+cv::Mat covariance_with(const BoardFit& fit, std::span<const cv::Point2d> board_m,
+                        const cv::Matx33d& homography) {
+  return informed(fit.covariance, planned_information(fit, board_m, homography).of_lens);
+}
+
+BoardFit with_planned_view(const BoardFit& fit, std::span<const cv::Point2d> board_m,
+                           const cv::Matx33d& homography) {
+  const PlannedInformation planned = planned_information(fit, board_m, homography);
+  const int before = fit.covariance.rows, views = before - kTerms;
+  // The parameters so far, with the new homography, as it follows the lens, ahead of the lens' terms.
+  cv::Mat follow = cv::Mat::zeros(before + kPerView, before, CV_64F);
+  cv::setIdentity(follow(cv::Rect(0, 0, views, views)));
+  planned.homography_by_lens.copyTo(follow(cv::Rect(views, views, kTerms, kPerView)));
+  cv::setIdentity(follow(cv::Rect(views, views + kPerView, kTerms, kTerms)));
+  BoardFit more = fit;
+  more.covariance = follow * informed(fit.covariance, planned.of_lens) * follow.t();
+  more.covariance(cv::Rect(views, views, kPerView, kPerView)) += planned.homography_covariance;
+  const cv::Matx33d h = homography * (1.0 / homography(2, 2));
+  more.homographies.push_back(h);
+  more.parameters.insert(more.parameters.end() - kTerms, h.val, h.val + kPerView);
+  return more;
 }
 
 }  // namespace strobe::camera

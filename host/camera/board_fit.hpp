@@ -49,20 +49,16 @@ Result<BoardFit> fit_boards(std::span<const BoardView> views, int width_px, int 
 digitize::LensDistortion lens_of(const BoardFit& fit, std::span<const double> parameters);
 cv::Matx33d homography_of(std::span<const double> parameters, std::size_t view);
 
-// Where the lens is in front of a board: from the homographies, whose columns are at right angles and of
-// equal length for the right focal length alone (Zhang 2000), and from a tape. Deterministic; thread-safe.
+// What one more photograph would tell, before it is taken: its points where the fit has them, found as well
+// as those so far. The information of all is that of the same equations, with the new homography eliminated
+// (Schur complement). Deterministic; thread-safe.
 
-/// In front of the first view's board.
-struct LensPose {
-  double focal = 0.0;  ///< in units of fit.lens.focal_px
-  cv::Point2d foot_m;  ///< of the perpendicular from the lens to the board, on the board
-  double distance_m = 0.0;
-  double distance_sd_m = 0.0;
-  double tilt_rad = 0.0;  ///< of the optical axis against the board's normal
-};
+/// Of fit.parameters, once a view of the board's points by this homography is among the photographs.
+cv::Mat covariance_with(const BoardFit& fit, std::span<const cv::Point2d> board_m,
+                        const cv::Matx33d& homography);
 
-/// Absent if photographs and tape leave the distance uncertain by more than a quarter.
-std::optional<LensPose> locate_lens(const BoardFit& fit, std::optional<double> distance_m,
-                                    double distance_sd_m);
+/// The fit with that view, its homography known as well as it would be then. Its residuals are of before.
+BoardFit with_planned_view(const BoardFit& fit, std::span<const cv::Point2d> board_m,
+                           const cv::Matx33d& homography);
 
 }  // namespace strobe::camera

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "host/camera/board_fit.hpp"
+#include "host/camera/lens_pose.hpp"
 
 namespace strobe::camera {
 namespace {
@@ -143,14 +143,6 @@ std::vector<MapError> map_errors(const BoardFit& fit, const cv::Matx33d& to_plan
 using digitize::LensDistortion;
 using digitize::PlaneMap;
 
-/// From image px to metres on the first view's board, y as it comes.
-PlaneMap board_map(const LensDistortion& lens, const cv::Matx33d& homography) {
-  const double f = lens.focal_px;
-  const cv::Matx33d normalize(1.0 / f, 0.0, -lens.centre_px.x / f, 0.0, 1.0 / f, -lens.centre_px.y / f, 0.0,
-                              0.0, 1.0);
-  return PlaneMap::calibrated(lens, homography.inv() * normalize, {});
-}
-
 double log_scale(const PlaneMap& to_board, cv::Point2d image_px) {
   const cv::Matx22d d = to_board.jacobian(image_px);
   return -0.5 * std::log(std::abs(d(0, 0) * d(1, 1) - d(0, 1) * d(1, 0)));
@@ -166,48 +158,11 @@ std::vector<cv::Point2d> places(const CalibrationSettings& settings) {
   return points;
 }
 
-/// How the scale at places all over the photograph changes with each parameter, as shares.
-cv::Mat scale_slopes(const BoardFit& fit, const CalibrationSettings& settings) {
-  const auto where = places(settings);
-  std::vector<double> x = fit.parameters;
-  const int n = static_cast<int>(x.size());
-  cv::Mat slopes(static_cast<int>(where.size()), n, CV_64F, cv::Scalar(0.0));
-  for (int i = 0; i < n; ++i) {
-    const double kept = x[static_cast<std::size_t>(i)];
-    const double step = 0.01 * std::sqrt(std::max(fit.covariance.at<double>(i, i), 0.0)) + 1e-14;
-    for (const double sign : {1.0, -1.0}) {
-      x[static_cast<std::size_t>(i)] = kept + sign * step;
-      const PlaneMap map = board_map(lens_of(fit, x), homography_of(x, 0));
-      for (std::size_t p = 0; p < where.size(); ++p) {
-        slopes.at<double>(static_cast<int>(p), i) += sign * log_scale(map, where[p]) * 0.5 / step;
-      }
-    }
-    x[static_cast<std::size_t>(i)] = kept;
-  }
-  return slopes;
-}
-
-/// The scale's sd as a share, rms over the photograph, as the points' noise makes it.
-double points_error(const cv::Mat& slopes, const cv::Mat& covariance) {
-  const cv::Mat spread = slopes * covariance * slopes.t();
-  return std::sqrt(std::max(0.0, cv::trace(spread)[0]) / static_cast<double>(slopes.rows));
-}
-
-/// What would be left of it were the lens known.
-double points_error_of_known_lens(const cv::Mat& slopes, const cv::Mat& covariance) {
-  const int terms = static_cast<int>(kLensPriorSds.size()), rest = covariance.rows - terms;
-  const cv::Mat shared = covariance(cv::Rect(rest, 0, terms, rest));
-  const cv::Mat lens = covariance(cv::Rect(rest, rest, terms, terms));
-  const cv::Mat given_lens =
-      covariance(cv::Rect(0, 0, rest, rest)) - shared * lens.inv(cv::DECOMP_SVD) * shared.t();
-  return points_error(slopes.colRange(0, rest), given_lens);
-}
-
 std::optional<std::string> too_poor(const Calibration& found, const cv::Mat& slopes,
                                     const CalibrationSettings& settings) {
   const double points = found.scale_errors.points, tolerance = settings.tolerance_share;
   if (points <= tolerance) return std::nullopt;
-  const bool by_lens = points_error_of_known_lens(slopes, found.fit.covariance) <= tolerance;
+  const bool by_lens = scale_sd_share_of_known_lens(slopes, found.fit.covariance) <= tolerance;
   return fmt::format(
       "away from the board, which covers {:.0f} % of the photograph, the scale is uncertain by {:.2g} % "
       "(allowed are "
@@ -348,6 +303,47 @@ std::optional<std::string> wrong(const CalibrationSettings& s) {
 
 }  // namespace
 
+PlaneMap board_map(const LensDistortion& lens, const cv::Matx33d& homography) {
+  const double f = lens.focal_px;
+  const cv::Matx33d normalize(1.0 / f, 0.0, -lens.centre_px.x / f, 0.0, 1.0 / f, -lens.centre_px.y / f, 0.0,
+                              0.0, 1.0);
+  return PlaneMap::calibrated(lens, homography.inv() * normalize, {});
+}
+
+cv::Mat scale_slopes(const BoardFit& fit, const CalibrationSettings& settings) {
+  const auto where = places(settings);
+  std::vector<double> x = fit.parameters;
+  const int n = static_cast<int>(x.size());
+  cv::Mat slopes(static_cast<int>(where.size()), n, CV_64F, cv::Scalar(0.0));
+  for (int i = 0; i < n; ++i) {
+    const double kept = x[static_cast<std::size_t>(i)];
+    const double step = 0.01 * std::sqrt(std::max(fit.covariance.at<double>(i, i), 0.0)) + 1e-14;
+    for (const double sign : {1.0, -1.0}) {
+      x[static_cast<std::size_t>(i)] = kept + sign * step;
+      const PlaneMap map = board_map(lens_of(fit, x), homography_of(x, 0));
+      for (std::size_t p = 0; p < where.size(); ++p) {
+        slopes.at<double>(static_cast<int>(p), i) += sign * log_scale(map, where[p]) * 0.5 / step;
+      }
+    }
+    x[static_cast<std::size_t>(i)] = kept;
+  }
+  return slopes;
+}
+
+double scale_sd_share(const cv::Mat& slopes, const cv::Mat& covariance) {
+  const cv::Mat spread = slopes * covariance * slopes.t();
+  return std::sqrt(std::max(0.0, cv::trace(spread)[0]) / static_cast<double>(slopes.rows));
+}
+
+double scale_sd_share_of_known_lens(const cv::Mat& slopes, const cv::Mat& covariance) {
+  const int terms = static_cast<int>(kLensPriorSds.size()), rest = covariance.rows - terms;
+  const cv::Mat shared = covariance(cv::Rect(rest, 0, terms, rest));
+  const cv::Mat lens = covariance(cv::Rect(rest, rest, terms, terms));
+  const cv::Mat given_lens =
+      covariance(cv::Rect(0, 0, rest, rest)) - shared * lens.inv(cv::DECOMP_SVD) * shared.t();
+  return scale_sd_share(slopes.colRange(0, rest), given_lens);
+}
+
 double ScaleErrors::common() const { return std::hypot(print, off_plane.value_or(0.0)); }
 double ScaleErrors::total() const { return std::hypot(points, common()); }
 
@@ -370,7 +366,7 @@ Result<Calibration> calibrate(std::span<const BoardView> views, const Calibratio
   calibration.rectify = rectification(calibration.fit.homographies[0], calibration.lens, to_plane);
   calibration.map_errors = map_errors(calibration.fit, to_plane, settings.width_px, settings.height_px);
   const cv::Mat slopes = scale_slopes(calibration.fit, settings);
-  calibration.scale_errors.points = points_error(slopes, calibration.fit.covariance);
+  calibration.scale_errors.points = scale_sd_share(slopes, calibration.fit.covariance);
   calibration.scale_errors.print = settings.spacing_sd_share;
   calibration.covered_share = covered(views[0], settings);
   calibration.largest_shift_px = largest_shift(calibration.lens, settings);

@@ -82,6 +82,22 @@ struct Calibration {
 /// Fails with a line if settings are out of range or the boards fit no camera.
 Result<Calibration> calibrate(std::span<const BoardView> views, const CalibrationSettings& settings);
 
+// How uncertain the scale is all over the photograph, as the points' noise makes it. Pure; thread-safe;
+// allocates.
+
+/// From image px to metres on the board of a homography, y as it comes.
+digitize::PlaneMap board_map(const digitize::LensDistortion& lens, const cv::Matx33d& homography);
+
+/// How the scale at places all over the photograph, a row each, changes with each of the fit's parameters, as
+/// shares of it (CV_64F).
+cv::Mat scale_slopes(const BoardFit& fit, const CalibrationSettings& settings);
+
+/// ScaleErrors::points: the scale's sd as a share, rms over the places, for the parameters' covariance.
+double scale_sd_share(const cv::Mat& slopes, const cv::Mat& covariance);
+
+/// What would be left of it were the lens known.
+double scale_sd_share_of_known_lens(const cv::Mat& slopes, const cv::Mat& covariance);
+
 // A calibration's map as the calibration file says it. Pure; thread-safe; allocates.
 
 /// Sets the map and its errors, and nothing else.

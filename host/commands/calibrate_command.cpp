@@ -17,6 +17,7 @@
 #include "common/command_line/command_line.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/parsed_json.hpp"
+#include "host/camera/board_plan.hpp"
 #include "host/camera/calibration.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/shared_options.hpp"
@@ -41,6 +42,8 @@ struct CalibrateOptions {
   double surface_sd_px = 0.5;
   std::string date;  ///< empty: today
   double tolerance_percent = 0.2;
+  int advise = 0;  ///< photographs to plan
+  std::string advise_figure;
   bool dry = false;
   bool json = false;
 };
@@ -141,8 +144,29 @@ CameraTable table_of(const CalibrateOptions& options, const camera::Calibration&
 
 using nlohmann::ordered_json;
 
+using Plan = std::optional<camera::BoardPlan>;
+
+ordered_json plan_json(const Plan& plan) {
+  if (!plan) return nullptr;
+  ordered_json next = ordered_json::array();
+  for (const camera::PlannedBoard& board : plan->next) {
+    ordered_json outline = ordered_json::array();
+    for (const cv::Point2d& p : board.outline_px) outline.push_back({p.x, p.y});
+    next.push_back({{"placement", camera::describe(board.placement)},
+                    {"distance_m", plan->distance_m * board.placement.distance_share},
+                    {"slant_deg", board.placement.slant_rad * 180.0 / std::numbers::pi},
+                    {"outline_px", outline},
+                    {"sd_share_points", board.scale_sd_share}});
+  }
+  return {{"sd_share_points", plan->scale_sd_share},
+          {"sd_share_points_of_known_lens", plan->limit_share},
+          {"lens_distance_known", plan->distance_known},
+          {"lens_distance_sd_m", messages::or_null(plan->next_distance_sd_m)},
+          {"next", next}};
+}
+
 void print_json(const CalibrateOptions& options, const Boards& boards, const CameraTable& table,
-                const camera::Calibration& found) {
+                const camera::Calibration& found, const Plan& plan) {
   ordered_json out;
   out["px_per_m"] = *table.px_per_m;
   out["px_per_m_sd"] = found.px_per_m_sd();
@@ -169,6 +193,7 @@ void print_json(const CalibrateOptions& options, const Boards& boards, const Cam
   out["left_out"] = boards.left_out;
   out["remarks"] = found.remarks;
   out["too_poor"] = messages::or_null(found.too_poor);
+  if (plan) out["advice"] = plan_json(plan);
   out["inputs"] = {{"images", options.images},
                    {"board", options.board},
                    {"columns", options.columns},
@@ -198,6 +223,40 @@ void print_text(const Boards& boards, const CameraTable& table, const camera::Ca
   fmt::print("board          {}, over {:.0f} % of the photograph; {} photograph{}\n", *table.board,
              100.0 * found.covered_share, *table.photographs, *table.photographs == 1 ? "" : "s");
   for (const std::string& why : boards.left_out) fmt::print("left out       {}\n", why);
+}
+
+/// What the points' share of the scale's sd would be with each further photograph.
+void print_plan(const camera::BoardPlan& plan) {
+  double before = plan.scale_sd_share;
+  for (std::size_t i = 0; i < plan.next.size(); ++i) {
+    const camera::PlannedBoard& board = plan.next[i];
+    fmt::print("next {:<10}{}: the scale's sd by points goes from {:.2g} % to {:.2g} %\n", i + 1,
+               camera::describe(board.placement), 100.0 * before, 100.0 * board.scale_sd_share);
+    before = board.scale_sd_share;
+  }
+  if (plan.next.empty()) {
+    fmt::print("next           nowhere: the board slanted is not seen as a whole; use a smaller one\n");
+    return;
+  }
+  if (!plan.distance_known)
+    fmt::print("               slants as with a usual lens: these photographs do not tell where it is{}\n",
+               plan.next_distance_sd_m ? ", with those planned they will" : "");
+  else if (plan.distance_sd_m && plan.next_distance_sd_m)
+    fmt::print("               lens' place: sd from {:.2g} m to {:.2g} m\n", *plan.distance_sd_m,
+               *plan.next_distance_sd_m);
+  // Of what is left a tenth is the lens'.
+  if (before < 1.1 * plan.limit_share)
+    fmt::print(
+        "               further ones cannot bring it below {:.2g} %: for that, a larger board or more "
+        "squares "
+        "in the balls' plane\n",
+        100.0 * plan.limit_share);
+}
+
+Plan plan_next(const CalibrateOptions& options, const camera::Calibration& found,
+               const camera::CalibrationSettings& settings) {
+  if (options.advise == 0) return std::nullopt;
+  return camera::plan_boards(found, pattern_of(options), settings, options.advise);
 }
 
 /// Where the calibration goes: beside the rig file, as that says.
@@ -239,7 +298,18 @@ int run_calibrate(const CalibrateOptions& options) {
     if (const auto done = config::write_file(path.string(), calibration_text(table)); !done)
       return bad_input("calibrate: " + done.error().message);
   }
-  options.json ? print_json(options, *boards, table, *found) : print_text(*boards, table, *found);
+  const Plan plan = plan_next(options, *found, settings);
+  if (plan && !options.advise_figure.empty()) {
+    const std::string svg = camera::plan_svg(*plan, *found, pattern_of(options), settings);
+    if (const auto done = config::write_file(options.advise_figure, svg); !done)
+      return bad_input("calibrate: --advise-figure: " + done.error().message);
+  }
+  if (options.json) {
+    print_json(options, *boards, table, *found, plan);
+  } else {
+    print_text(*boards, table, *found);
+    if (plan) print_plan(*plan);
+  }
   for (const std::string& remark : found->remarks) {
     std::fprintf(stderr, "strobe: calibrate: note: %s\n", remark.c_str());
   }
@@ -311,12 +381,19 @@ void add_calibrate_command(CLI::App& app, int& exit_status) {
                    "Refuse a calibration whose scale is more uncertain than this, rms over the photograph")
       ->check(CLI::Range(1e-6, 100.0))
       ->capture_default_str();
+  auto* advise =
+      command
+          ->add_option("--advise", options->advise,
+                       "Say where the next so many photographs of the board would help most, 1 to 9")
+          ->check(CLI::Range(1, 9));
+  command->add_option("--advise-figure", options->advise_figure, "Their outlines in the view, as an SVG file")
+      ->needs(advise);
   command->add_option("--date", options->date, "Day of the photographs, such as 2026-11-21; default: today");
   command->add_flag("--dry", options->dry, "Write no file");
   command->add_flag("--json", options->json, "One JSON object");
   command_line::for_experts(
       *command, {"--spacing-sd-percent", "--off-plane-sd-mm", "--lens-distance-m", "--lens-distance-sd-m",
-                 "--surface", "--surface-sd-px", "--tolerance-percent", "--date"});
+                 "--surface", "--surface-sd-px", "--tolerance-percent", "--advise-figure", "--date"});
   command->footer(
       "Example: strobe calibrate plane.tif slanted1.tif slanted2.tif --spacing-mm 20.02 --rig rig.toml\n"
       "One photograph gives scale, tilt and lens; with slanted ones, or --lens-distance-m, also how balls "

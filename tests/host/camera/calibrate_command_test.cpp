@@ -198,3 +198,15 @@ TEST(CalibrateCommand, SaysWhatIsWrongAndLeavesTheCalibrationAlone) {
   LONGS_EQUAL(host::kBadInput, run({in("empty.png"), "--date", "today", "--spacing-mm", "20"}));
   DOUBLES_EQUAL(5, *host::load_rig(in("rig.toml"))->camera.px_per_m, 0);
 }
+
+TEST(CalibrateCommand, AdvisesWhereTheNextPhotographsGoAlsoWhereItRefuses) {
+  photograph_board("plane.png", {0.02, 0.03, 0.01});
+  const std::vector<std::string> arguments{in("plane.png"), "--columns",       "7",           "--rows",
+                                           "5",             "--spacing-mm",    "20",          "--advise",
+                                           "2",             "--advise-figure", in("next.svg")};
+  LONGS_EQUAL(host::kFailed, run(arguments));  // 0.2 % is not reached by one photograph
+  STRCMP_CONTAINS(" side nearer, ", testing::read_text(folder / "next.svg").c_str());
+  std::vector<std::string> wrong = arguments;
+  wrong.back() = in("none/next.svg");
+  LONGS_EQUAL(host::kBadInput, run(wrong));
+}
