@@ -8,17 +8,17 @@
 namespace strobe::host {
 namespace {
 
-constexpr int kMostImages = 1000;
+constexpr int kMostOverlaps = 1000;
 
 bool is_in_range(const PhotographedLight& light, int overlapping) {
   return light.brightness > 0.0 && light.brightness <= 1.0 && light.dark >= 0.0 &&
          light.dark < light.brightness && light.transfer_exponent.value_or(1.0) > 0.0 && overlapping >= 1 &&
-         overlapping <= kMostImages;
+         overlapping <= kMostOverlaps;
 }
 
 /// How many images' light a place holds.
 int images_before(double level, double dark_light, double image_light) {
-  return static_cast<int>(std::min<double>(kMostImages, std::floor((level - dark_light) / image_light)));
+  return static_cast<int>(std::min<double>(kMostOverlaps, std::floor((level - dark_light) / image_light)));
 }
 
 std::string what_to_do(double stops) {

@@ -17,7 +17,7 @@ double focal_length_m(const LensSetUp& set_up) { return 1e-3 * set_up.focal_leng
 double pitch_m(const LensSetUp& set_up) { return 1e-6 * set_up.pixel_pitch_um; }
 double aperture_m(const LensSetUp& set_up) { return focal_length_m(set_up) / set_up.f_number; }
 
-struct Range {
+struct LensFieldRange {
   const char* field;
   double value, least, most;
 };
@@ -25,11 +25,12 @@ struct Range {
 }  // namespace
 
 Result<void> check(const LensSetUp& s) {
-  for (const Range& range : {Range{"width_px", static_cast<double>(s.width_px), 16, 100'000},
-                             {"height_px", static_cast<double>(s.height_px), 16, 100'000},
-                             {"pixel_pitch_um", s.pixel_pitch_um, 0.1, 100},
-                             {"focal_length_mm", s.focal_length_mm, 0.1, 10'000},
-                             {"f_number", s.f_number, 0.5, 128}}) {
+  for (const LensFieldRange& range :
+       {LensFieldRange{"width_px", static_cast<double>(s.width_px), 16, 100'000},
+        {"height_px", static_cast<double>(s.height_px), 16, 100'000},
+        {"pixel_pitch_um", s.pixel_pitch_um, 0.1, 100},
+        {"focal_length_mm", s.focal_length_mm, 0.1, 10'000},
+        {"f_number", s.f_number, 0.5, 128}}) {
     if (!(range.value >= range.least && range.value <= range.most))
       return fail(fmt::format("{}: must be {} to {}", range.field, range.least, range.most));
   }
