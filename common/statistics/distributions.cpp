@@ -2,6 +2,7 @@
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/non_central_t.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -14,6 +15,7 @@ using Policy = boost::math::policies::policy<boost::math::policies::promote_doub
 using StudentsT = boost::math::students_t_distribution<double, Policy>;
 using ChiSquared = boost::math::chi_squared_distribution<double, Policy>;
 using FisherF = boost::math::fisher_f_distribution<double, Policy>;
+using NoncentralT = boost::math::non_central_t_distribution<double, Policy>;
 using Normal = boost::math::normal_distribution<double, Policy>;
 
 }  // namespace
@@ -35,6 +37,16 @@ double student_t_half_width(double share, double degrees_of_freedom) {
 double student_t_tail(double t, double degrees_of_freedom) {
   if (degrees_of_freedom > kAsGoodAsNormal) return std::erfc(std::abs(t) / std::sqrt(2.0));
   return 2.0 * boost::math::cdf(boost::math::complement(StudentsT(degrees_of_freedom), std::abs(t)));
+}
+
+double noncentral_t_tail(double t, double degrees_of_freedom, double shift) {
+  // Beyond these shifts the normal number hardly counts, and the library's series becomes long.
+  constexpr double kFewest = -8.0, kMost = 50.0;
+  if (degrees_of_freedom > kAsGoodAsNormal) return 0.5 * std::erfc((t - shift) / std::sqrt(2.0));
+  if (shift < kFewest) return 0.0;
+  if (shift > kMost)
+    return 1.0 - chi_squared_tail(degrees_of_freedom * (shift / t) * (shift / t), degrees_of_freedom);
+  return boost::math::cdf(boost::math::complement(NoncentralT(degrees_of_freedom, shift), t));
 }
 
 double chi_squared_quantile(double degrees_of_freedom, double below) {

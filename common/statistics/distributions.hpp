@@ -1,5 +1,6 @@
-// Student's t, chi-squared and Fisher's F. Degrees of freedom are above 0 and need not be whole
-// (Welch-Satterthwaite); those of Student's t may be infinite. Pure functions; thread-safe, real-time safe.
+// Student's t, central and not, chi-squared and Fisher's F. Degrees of freedom are above 0 and need not be
+// whole (Welch-Satterthwaite); those of Student's t may be infinite. Pure functions; thread-safe, real-time
+// safe.
 #pragma once
 
 namespace strobe::statistics {
@@ -21,6 +22,10 @@ double student_t_half_width(double share, double degrees_of_freedom);
 
 /// Probability that |t| exceeds the given value.
 double student_t_tail(double t, double degrees_of_freedom);
+
+/// Probability that (z + shift) / sqrt(q / degrees_of_freedom), z normal and q chi-squared, exceeds t > 0:
+/// the noncentral t. Degrees of freedom may be infinite.
+double noncentral_t_tail(double t, double degrees_of_freedom, double shift);
 
 /// Sum of squares that is not reached with the probability `below`, in (0, 1).
 double chi_squared_quantile(double degrees_of_freedom, double below);

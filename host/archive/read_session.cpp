@@ -62,6 +62,7 @@ class SessionReader {
   void find_runs(RunRecords records);
   void add_unrecorded_run(std::int64_t host, WallTime time);
   const SessionRigs::Rig& rig_of(std::int64_t host_id) const;
+  std::string until_known_of(std::int64_t host_id) const;
   bool own(const LoggedShot& fired) const;
   void find_shots();
   Shot stored(const ShotKey& key, const LoggedShot& fired) const;
@@ -139,6 +140,11 @@ void SessionReader::add_unrecorded_run(std::int64_t host, WallTime time) {
   session_.runs.push_back(std::move(run));
 }
 
+std::string SessionReader::until_known_of(std::int64_t host_id) const {
+  const auto run = std::ranges::find(session_.runs, host_id, &RunRecord::host_id);
+  return run == session_.runs.end() ? "" : run->until_known;
+}
+
 const SessionRigs::Rig& SessionReader::rig_of(std::int64_t host_id) const {
   const auto log = log_of_host_.find(host_id);
   return log == log_of_host_.end() ? rigs_.main() : rigs_.of_log(log->second);
@@ -180,6 +186,7 @@ Shot SessionReader::stored(const ShotKey& key, const LoggedShot& fired) const {
   Shot shot = logged_outcome(key, fired);
   shot.summary = fired.summary;
   shot.rig = rig_of(fired.host_id);
+  shot.until_known = until_known_of(fired.host_id);
   shot.verified = session_.verified && !fired.from_journal;
   const LoggedFrame* late = fired_->late_frame(key);
   if (late != nullptr) shot.digitizations = {{late->frame, late->frame.source == "hand", "", "", {}, {}}};

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <system_error>
 
 #include "common/authentication/key_file.hpp"
@@ -20,6 +21,7 @@
 #include "host/commands/fire_run.hpp"
 #include "host/config/notes.hpp"
 #include "host/messages/command_factory.hpp"
+#include "host/series/select.hpp"
 #include "host/session/former_runs.hpp"
 #include "host/session/run_lock.hpp"
 #include "host/session/session_folder.hpp"
@@ -28,6 +30,9 @@ namespace strobe::host {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// At most, where it is not said.
+constexpr int kShotsUntilKnown = 100;
 
 /// What strobed would refuse, once armed.
 Result<void> check_plan(const FireOptions& options, const FireRequest& request) {
@@ -71,6 +76,14 @@ void set_labels(const RunRecord& last, FireOptions& options) {
   }
 }
 
+/// Of a text with commas.
+std::vector<std::string> comma_separated(const std::string& text) {
+  std::vector<std::string> items;
+  std::istringstream in(text);
+  for (std::string item; std::getline(in, item, ',');) items.push_back(item);
+  return items;
+}
+
 /// The options with which the session's last run is gone on with: what it was asked for, and from the given
 /// ones how. Reads the session's folder. Fails where there is no such run.
 Result<FireOptions> resumed(const FireOptions& given) {
@@ -93,6 +106,7 @@ Result<FireOptions> resumed(const FireOptions& given) {
   options.until = last.session_shots;
   options.plan_path = (folder / last.plan_file).string();
   options.spacing = last.spacing;
+  options.until_known = comma_separated(last.until_known);
   if (!options.retries) options.retries = last.retries;
   if (options.paths.rig_path.empty()) options.paths.rig_path = last.rig_file;
   if (options.photographs.folder.empty()) options.photographs.folder = last.photographs;
@@ -151,6 +165,7 @@ RunRecord record_of(const FireOptions& options, const FireRequest& request) {
   run.effort = options.photographs.effort;
   run.key_fingerprint = request.key.fingerprint();
   run.command = typed_command_line();
+  run.until_known = wanted_text(request.wanted);
   return run;
 }
 
@@ -163,8 +178,26 @@ Result<void> set_shots(const FireOptions& options, FireRequest& request) {
     if (!rows) return tl::unexpected(rows.error());
     for (const auto& [key, counts] : *rows) series.counted += counts ? 1 : 0;
   }
-  series.shots = options.until ? *options.until : options.shots.value_or(1);
+  series.at_most = !request.wanted.empty();
+  const int otherwise = series.at_most ? kShotsUntilKnown : 1;
+  series.shots = options.until ? *options.until : options.shots.value_or(otherwise);
   series.retries = options.retries.value_or(std::max(0, series.shots - series.counted));
+  return {};
+}
+
+/// What is to be known, and the shots of earlier runs that tell of it.
+Result<void> set_wanted(const FireOptions& options, FireRequest& request) {
+  auto wanted = parse_wanted("--until-known", options.until_known, Percent::allowed);
+  if (!wanted) return tl::unexpected(wanted.error());
+  request.wanted = std::move(*wanted);
+  if (request.wanted.empty()) return {};
+  const auto rows = read_result_rows(request.options.session);
+  if (!rows) return tl::unexpected(rows.error());
+  if (rows->empty()) return {};
+  const auto session = read_session(request.options.session,
+                                    {"", options.paths.key_file, reading_notes(request.options.session)});
+  if (!session) return tl::unexpected(session.error());
+  request.earlier = series_shots(*session, "");
   return {};
 }
 
@@ -194,6 +227,7 @@ Result<FireRequest> request_of(const FireOptions& options) {
   auto lock = RunLock::of_session(session, operator_name(), MachineClock().read().wall);
   if (!lock) return tl::unexpected(lock.error());
   request.lock.emplace(std::move(*lock));
+  if (auto set = set_wanted(options, request); !set) return tl::unexpected(set.error());
   if (auto set = set_shots(options, request); !set) return tl::unexpected(set.error());
   request.run = record_of(options, request);
   if (options.angle_deg) request.condition = thesis::shipped_condition(options.spin, *options.angle_deg);
@@ -204,6 +238,11 @@ Result<FireRequest> request_of(const FireOptions& options) {
 int run(const FireOptions& given) {
   const HostReading asked = MachineClock().read();
   if (given.until && given.dry) return bad_input("--until counts shots with a ball: not with --dry");
+  if (!given.until_known.empty() && given.dry)
+    return bad_input("--until-known needs shots with a ball: not with --dry");
+  // Before anything is made or read.
+  if (const auto wanted = parse_wanted("--until-known", given.until_known, Percent::allowed); !wanted)
+    return bad_input(wanted.error().message);
   const auto options = given.resume ? resumed(given) : Result<FireOptions>(given);
   if (!options) return bad_input(options.error().message);
   auto request = request_of(*options);  // which holds the session until it ends
@@ -226,6 +265,12 @@ void add_fire_command(CLI::App& app, int& exit_status) {
                    "fire until the session holds this many shots that count, those of earlier runs included")
       ->check(CLI::Range(1, 100000))
       ->excludes(shots);
+  command
+      ->add_option("--until-known", options->until_known,
+                   "fire until the 95 % interval of each mean is this short, as e:0.003,omega_lo:1% (half "
+                   "width); at most --shots or --until (default: at most 100)")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   CLI::Option* const resume =
       command->add_flag("--resume", options->resume,
                         "go on with what the session's last run was asked for: shots, plan, labels, notes");
@@ -262,7 +307,7 @@ void add_fire_command(CLI::App& app, int& exit_status) {
   command->add_flag("--all", options->all, kAllHelp);
   add_web_options(*command, options->web);
   for (const char* const asked :
-       {"--shots", "--until", "--spin", "--angle", "--note", "--plan", "--spacing", "--dry"})
+       {"--shots", "--until", "--until-known", "--spin", "--angle", "--note", "--plan", "--spacing", "--dry"})
     resume->excludes(command->get_option(asked));
   command_line::for_experts(*command, {"--spacing", "--effort", "--lcm-url", "--key-file", "--wait",
                                        "--clear-fault", "--all", "--sessions"});
@@ -270,6 +315,7 @@ void add_fire_command(CLI::App& app, int& exit_status) {
       "Ctrl-C finishes the shot under way and ends; a second one aborts it. Ctrl-\\ aborts it at once.\n"
       "Example: strobe fire --rig rig.toml --session run1 --shots 9 --spin zero --angle 23 --note "
       "operator=\"A. Author\"\n"
+      "         strobe fire --session run1 --until-known e:0.003 --rig rig.toml\n"
       "         strobe fire --session run1 --resume --web\n"
       "Exit status: 0 all shots counted, 1 some did not, 2 bad usage or input.");
   command->callback([options, &exit_status] { exit_status = run(*options); });

@@ -6,6 +6,7 @@
 #include "host/commands/command.hpp"
 #include "host/commands/commission_run.hpp"
 #include "host/commands/shot_text.hpp"
+#include "host/commands/until_known.hpp"
 #include "host/loop/series_runner.hpp"
 #include "host/messages/lcm_link.hpp"
 #include "host/web/commission.hpp"
@@ -45,7 +46,7 @@ AssemblySettings assembly_of(const FireRequest& request) {
   return settings;
 }
 
-class FireRun {
+class FireRun final : private HostListener {
  public:
   /// page: null: none.
   FireRun(const FireRequest& request, const std::string& commissioned, SessionFolder& folder, Transport& link,
@@ -56,7 +57,7 @@ class FireRun {
         folder_(folder),
         clock_(clock),
         stored_({request.rig.rig, assembly_of(request), host_id, true, request.key, false,
-                 request.run.operator_name},
+                 request.run.operator_name, request.run.until_known},
                 request.series, folder, link, clock),
         loop_(stored_.loop()),
         runner_(stored_.runner()),
@@ -66,6 +67,10 @@ class FireRun {
     loop_.person_acted(request.asked);
     loop_.add_listener(terminal_);
     loop_.add_listener(shot_text_);
+    if (!request.wanted.empty()) {
+      until_known_.emplace(request.wanted, std::make_shared<const RigFile>(request.rig), request.earlier);
+      loop_.add_listener(*this);  // after those that show the shot
+    }
     terminal_.show_only([this](std::int64_t host) { return shown(host); });
     terminal_.model().thesis = request.condition;
     terminal_.model().all = request.options.all;
@@ -116,6 +121,21 @@ class FireRun {
     return host == loop_.settings().host_id || loop_.session().adopted(host);
   }
 
+  /// Ends the series as soon as enough is known, or can never be.
+  void on_shot_result(const Shot& result) override {
+    if (!shown(result.host_id) || result.rejected || result.dry) return;
+    until_known_->add(result);
+    const std::string never = until_known_->why_never();
+    if (!never.empty()) {
+      ended_by_ = never;
+      never_known_ = true;
+      return runner_.end_after_shot(never);
+    }
+    loop_.notify(until_known_->line());
+    if (!until_known_->enough()) return;
+    runner_.settle();
+  }
+
   /// For a person, now and in the session.
   void tell(const std::string& text) {
     terminal_.note(text);
@@ -131,8 +151,10 @@ class FireRun {
     run.session_shots = run.until ? run.shots : runner_.counted_before() + run.shots;
     folder_.add(run);
     recorded_ = true;
+    const std::string known =
+        run.until_known.empty() ? "" : fmt::format(", at most, until known: {}", run.until_known);
     shot_text_.add(
-        fmt::format("{} fires {} {}", run.operator_name, run.until ? "until" : "shots:", run.shots));
+        fmt::format("{} fires {} {}{}", run.operator_name, run.until ? "until" : "shots:", run.shots, known));
   }
 
   /// The first finishes the shot under way; the second, or Ctrl-\, ends all at once.
@@ -230,26 +252,39 @@ class FireRun {
                          request_.options.session)});
   }
 
+  /// "3 of 9 shots counted", "12 shots counted, so that e ± 0.0029 of 0.003 wanted"
+  std::string counted_words() const {
+    const ShotSeries& series = runner_.series();
+    const int shots = until_known_ ? series.good() : request_.series.shots;
+    const std::string words = fmt::format("{} {}", shots == 1 ? "shot" : "shots",
+                                          request_.series.plan.dry ? "fired dry" : "counted");
+    if (!until_known_) return fmt::format("{} of {} {}", series.good(), shots, words);
+    return fmt::format("{} {}{}", shots, words,
+                       until_known_->enough() ? ", enough to know " + until_known_->line() : "");
+  }
+
   int conclude() {
     const ShotSeries& series = runner_.series();
     const bool dry = request_.series.plan.dry;
     if (!dry) print_series();
-    const std::string summary =
-        fmt::format("{} of {} {} {}, {} fired again; session in {}", series.good(), request_.series.shots,
-                    request_.series.shots == 1 ? "shot" : "shots", dry ? "fired dry" : "counted",
-                    series.refired(), request_.options.session);
-    std::string problem = series.succeeded() ? "" : series.blocking_reason();
-    if (!ended_by_.empty() && !series.succeeded()) problem = ended_by_;
+    const bool succeeded = series.succeeded() && (!until_known_ || until_known_->enough());
+    const std::string summary = fmt::format("{}, {} fired again; session in {}", counted_words(),
+                                            series.refired(), request_.options.session);
+    std::string problem = succeeded ? "" : series.blocking_reason();
+    if (!ended_by_.empty() && !succeeded) problem = ended_by_;
+    if (series.succeeded() && !succeeded)
+      problem = fmt::format("not known after the {} shots that are the most: {}", series.good(),
+                            until_known_->line());
     if (loop_.disarming())
       problem += (problem.empty() ? "" : "; ") +
                  std::string("DISARM NOT CONFIRMED: the rig may still be armed; press the e-stop");
     for (const std::string& line : stored_.unstored()) problem += (problem.empty() ? "" : "; ") + line;
-    if (series.succeeded() && problem.empty()) {
+    if (succeeded && problem.empty()) {
       std::fprintf(stderr, "strobe: %s\n", summary.c_str());
       return kDone;
     }
     const std::string how_on =
-        series.succeeded() || dry || !recorded_
+        series.succeeded() || dry || !recorded_ || never_known_
             ? ""
             : fmt::format("; go on with: strobe fire --resume --session {}", request_.options.session);
     return failed(summary + (problem.empty() ? "" : ": " + problem) + how_on);
@@ -269,15 +304,24 @@ class FireRun {
   std::optional<int> left_by_;  ///< of ends_asked_for(): then nothing is waited for any more
   std::string ended_by_;        ///< why the series ends before its time; empty: it does not
   bool recorded_ = false;       ///< there is a run to go on with
+  std::optional<UntilKnown> until_known_;
+  bool never_known_ = false;
   bool key_reported_ = false;
   ActivityNotes activity_;
   bool recovery_reported_ = false;
 };
 
+/// Whether what a run that is gone on with wants is known already.
+bool known_already(const FireRequest& request) {
+  if (request.wanted.empty() || !request.options.resume) return false;
+  return UntilKnown(request.wanted, nullptr, request.earlier).enough();
+}
+
 /// Whether the session holds all shots that are wanted, and nothing is left to take in.
 Result<bool> already_there(const FireRequest& request) {
   const ShotSeriesSettings& series = request.series;
-  if (!series.whole_session || series.counted < series.shots) return false;
+  const bool enough = series.counted >= series.shots || known_already(request);
+  if (!series.whole_session || !enough) return false;
   const auto former = read_former_runs(request.options.session, request.rig.rig, request.key);
   if (!former) return tl::unexpected(former.error());
   return !former->may_lack_results();
@@ -289,9 +333,12 @@ int run_fire(const FireRequest& request) {
   const auto there = already_there(request);
   if (!there) return bad_input(there.error().message);
   if (*there) {
-    std::fprintf(stderr, "strobe: session %s holds %d shots that count, of %d wanted: nothing is fired\n",
-                 request.options.session.c_str(), request.series.counted, request.series.shots);
-    return kDone;
+    const bool known = known_already(request);
+    const std::string wanted = known ? ", enough to know " + request.run.until_known
+                                     : fmt::format(", of {} wanted", request.series.shots);
+    std::fprintf(stderr, "strobe: session %s holds %d shots that count%s: nothing is fired\n",
+                 request.options.session.c_str(), request.series.counted, wanted.c_str());
+    return request.wanted.empty() || known ? kDone : kFailed;
   }
   auto page = WebPage::open(request.options.web,
                             {"fire", request.run.version, request.options.session,

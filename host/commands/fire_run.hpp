@@ -15,6 +15,7 @@
 #include "host/commands/web_page.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/photographs/photograph_pipeline.hpp"
+#include "host/series/wanted.hpp"
 #include "host/session/run_lock.hpp"
 #include "host/session/run_record.hpp"
 #include "host/session/shot_series.hpp"
@@ -24,7 +25,7 @@ namespace strobe::host {
 struct FireOptions {
   RigOptions paths;
   std::string session, plan_path, spacing, spin;
-  std::vector<std::string> notes;
+  std::vector<std::string> notes, until_known;
   std::optional<double> angle_deg;
   std::optional<int> shots, until, retries;
   double wait_s = 60.0;
@@ -42,6 +43,8 @@ struct FireRequest {
   authentication::Key key;
   RigFile rig;
   ShotSeriesSettings series;
+  std::vector<Wanted> wanted;  ///< of --until-known; empty: not given
+  std::vector<Shot> earlier;   ///< with it: the session's, oldest first
   std::string plan_text;
   std::string train_remark;     ///< told at the start, if any
   std::string rig_remark;       ///< which rig file was taken where none was named; else empty

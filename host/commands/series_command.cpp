@@ -3,8 +3,6 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -25,6 +23,7 @@
 #include "host/config/notes.hpp"
 #include "host/series/compare.hpp"
 #include "host/series/select.hpp"
+#include "host/series/wanted.hpp"
 #include "host/view/series_json.hpp"
 #include "host/view/series_view.hpp"
 
@@ -40,6 +39,7 @@ struct SeriesOptions {
   SessionOptions session;
   std::string budget;
   std::vector<std::string> differences;
+  double power = kPower;
   int draws = 0;
   bool all = false, json = false;
 };
@@ -49,37 +49,12 @@ struct NamedSession {
   StoredSession session;
 };
 
-std::optional<Quantity> quantity_of(const std::string& name) {
-  const auto found = std::ranges::find(reduction::kQuantityNames, name);
-  if (found == reduction::kQuantityNames.end()) return std::nullopt;
-  return static_cast<Quantity>(found - reduction::kQuantityNames.begin());
-}
-
-std::string no_quantity(const std::string& name) {
-  return fmt::format("no \"{}\" among {}", name, fmt::join(reduction::kQuantityNames, " "));
-}
-
-/// Of --difference: sizes by quantity, whose unit may be left out of its name. One number alone has a unit
-/// only where --budget names the quantity.
+/// Of --difference. One number alone has a unit only where --budget names the quantity.
 Result<reduction::Quantities> asked_differences(const SeriesOptions& options) {
+  const auto wanted = parse_wanted("--difference", options.differences, Percent::refused, options.budget);
+  if (!wanted) return tl::unexpected(wanted.error());
   reduction::Quantities asked;
-  for (const std::string& text : options.differences) {
-    const std::size_t colon = text.find(':');
-    const std::string name = colon == text.npos ? options.budget : text.substr(0, colon);
-    const std::string number = text.substr(colon == text.npos ? 0 : colon + 1);
-    if (name.empty())
-      return fail("--difference " + text + ": of which quantity? As e:0.005 or omega_lo_radps:5");
-    const auto begins = [&](std::string_view known) { return known.starts_with(name + "_"); };
-    const bool is_short = std::ranges::count_if(reduction::kQuantityNames, begins) == 1;
-    const auto q =
-        quantity_of(is_short ? std::string(*std::ranges::find_if(reduction::kQuantityNames, begins)) : name);
-    if (!q) return fail("--difference " + text + ": " + no_quantity(name));
-    double size = 0.0;
-    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), size);
-    if (error != std::errc() || end != number.data() + number.size() || !(size > 0.0 && std::isfinite(size)))
-      return fail("--difference " + text + ": must be a number above 0");
-    asked[*q] = size;
-  }
+  for (const Wanted& each : *wanted) asked[each.quantity] = each.value;
   return asked;
 }
 
@@ -177,7 +152,7 @@ class SeriesPrinter {
     }
     print(render_summary(summary, condition, kPlainWidth, settings_.all));
     print(shot_lines(group));
-    if (const auto q = quantity_of(settings_.budget)) {
+    if (const auto q = find_quantity(settings_.budget)) {
       const auto& lines = summary.quantities[static_cast<std::size_t>(*q)].budget;
       print(render_budget(name + ", mean", lines, *q, kPlainWidth));
     }
@@ -186,7 +161,8 @@ class SeriesPrinter {
   }
 
   void put(const ShotGroup& first, const ShotGroup& second) const {
-    const Comparison comparison = compare(series_of(first.shots), series_of(second.shots), differences_);
+    const Comparison comparison =
+        compare(series_of(first.shots), series_of(second.shots), differences_, settings_.power);
     if (settings_.json) return print_json(comparison_json(first.name, second.name, comparison));
     print(render_comparison(first.name, second.name, comparison, kPlainWidth, settings_.all));
   }
@@ -327,7 +303,10 @@ int run_series(const SeriesOptions& options) {
   return std::ranges::any_of(selected->groups, counts) ? kDone : kFailed;
 }
 
-std::string one_of_quantities(const std::string& name) { return quantity_of(name) ? "" : no_quantity(name); }
+std::string one_of_quantities(const std::string& name) {
+  const auto q = find_quantity(name);
+  return q ? "" : q.error().message;
+}
 
 }  // namespace
 
@@ -364,6 +343,10 @@ void add_series_command(CLI::App& app, int& exit_status) {
       ->delimiter(',')
       ->allow_extra_args(false);
   command
+      ->add_option("--power", options->power,
+                   "the probability with which further shots are to find the difference (default 0.8)")
+      ->check(CLI::Range(kMinPower, kMaxPower));
+  command
       ->add_option("--budget", options->budget,
                    "what the uncertainty of this quantity is made of, as vx_td_mps")
       ->check(one_of_quantities);
@@ -375,10 +358,11 @@ void add_series_command(CLI::App& app, int& exit_status) {
   command->add_flag("--all", options->all, "every quantity, the slip too");
   command->add_flag("--json", options->json,
                     "one JSON object a series, and one for --compare; nothing else on standard output");
-  command_line::for_experts(*command, {"--difference", "--monte-carlo", "--rig", "--key-file", "--all"});
+  command_line::for_experts(*command,
+                            {"--difference", "--power", "--monte-carlo", "--rig", "--key-file", "--all"});
   command->footer(
       "Example: strobe series run1 run2 --by spin,angle --without run1:7\n"
-      "         strobe series run1 run2 --compare run1 run2 --difference e:0.01\n"
+      "         strobe series run1 run2 --compare run1 run2 --difference e:0.01 --power 0.9\n"
       "Exit status: 0 done, 1 no shot counted, 2 bad usage or input.");
   command->callback([options, &exit_status] { exit_status = run_series(*options); });
 }

@@ -256,6 +256,7 @@ void HostLoop::report() {
               messages::readout_to_lcm(result.readout, settings_.host_id, result.boot_id));
     }
     make_budget(result);
+    if (own) result.until_known = settings_.until_known;
     for (HostListener* listener : listeners_) listener->on_shot_result(result);
   }
 }

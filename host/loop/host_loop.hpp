@@ -68,6 +68,7 @@ struct HostLoopSettings {
   std::optional<authentication::Key> key = {};  ///< absent: nothing is verified, requested or fired
   bool replays = false;                         ///< a log: verified, but nobody is there to be asked
   std::string host_name = {};                   ///< who fires, told to other hosts; empty: nothing is said
+  std::string until_known = {};                 ///< Shot::until_known of this host's shots
 };
 
 /// Hears what happens in a session. The default is to ignore it.

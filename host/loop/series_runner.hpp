@@ -40,6 +40,8 @@ class SeriesRunner final : public HostListener {
   void leave();
   /// No shot after the one under way, if one is.
   void end_after_shot(const std::string& why);
+  /// The shots that count are enough: the series has succeeded.
+  void settle() { series_.settle(); }
 
   bool finished() const { return phase_ == Phase::finished; }
   /// The series has been fired or given up; lost events are being fetched, or have been.

@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 
+#include "host/series/sample_size.hpp"
 #include "host/series/series.hpp"
 
 namespace strobe::host {
@@ -19,10 +20,12 @@ struct QuantityDifference {
   double expanded_uncertainty = 0.0;         ///< half width of the 95 % interval
   bool decided = false;                      ///< the interval does not hold 0
   double p_value = 1.0;                      ///< probability of as large a difference if there were none
-  /// Further shots that each series needs until a difference of `asked` is found with a probability of 80 %,
-  /// counted up to a million of each; 0: it has enough; absent: no number of shots would do, since what they
+  /// Shots of each series by which a difference of `asked` is found with the probability `power`, and further
+  /// ones that each needs until then; 0: it has enough; absent: no number of shots would do, since what they
   /// share is too uncertain.
+  std::optional<ShotCount> of_each;
   std::optional<int> more_first, more_second;
+  double power = kPower;
   double asked = 0.0;     ///< > 0; 0: none was asked for, and none found
   bool is_asked = false;  ///< by the caller
 };
@@ -35,10 +38,10 @@ struct Comparison {
   }
 };
 
-inline constexpr double kPower = 0.8;
-
 /// Of the quantities of which both series have two shots, all with their budgets. `asked`: the sizes that
-/// shots are counted for, each in its quantity's unit, > 0; absent: that which was found.
-Comparison compare(const Series& first, const Series& second, const reduction::Quantities& asked = {});
+/// shots are counted for, each in its quantity's unit, > 0; absent: that which was found. power: kMinPower to
+/// kMaxPower.
+Comparison compare(const Series& first, const Series& second, const reduction::Quantities& asked = {},
+                   double power = kPower);
 
 }  // namespace strobe::host

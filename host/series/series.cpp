@@ -9,6 +9,7 @@
 #include "common/reduction/running_statistics.hpp"
 #include "common/reduction/uncertainty.hpp"
 #include "common/statistics/distributions.hpp"
+#include "host/series/sequential.hpp"
 
 namespace strobe::host {
 namespace {
@@ -66,7 +67,7 @@ std::vector<BudgetLine> shared_lines(const SharedEffects& shared, std::size_t q)
 }
 
 /// Combines the lines and says how much each is of it.
-void combine(QuantitySummary& s) {
+void combine(QuantitySummary& s, bool sequential) {
   double variance = 0.0;
   for (const BudgetLine& line : s.budget) variance += line.effect * line.effect;
   for (BudgetLine& line : s.budget) line.share = variance > 0.0 ? line.effect * line.effect / variance : 0.0;
@@ -78,7 +79,9 @@ void combine(QuantitySummary& s) {
     freedom = (s.n - 1) * ratio * ratio;  // Welch-Satterthwaite; what is shared has infinitely many
     s.degrees_of_freedom = freedom;
   }
-  s.expanded_uncertainty = *s.total_sd * statistics::student_t_half_width(reduction::kExpandedLevel, freedom);
+  s.expanded_uncertainty =
+      sequential ? sequential_half_width(*s.scatter_sd, s.shared_sd, s.n)
+                 : *s.total_sd * statistics::student_t_half_width(reduction::kExpandedLevel, freedom);
 }
 
 /// The court pace is the ITF's for shots as it prescribes them only.
@@ -103,6 +106,7 @@ void Series::add(const Shot& shot) {
     columns_[i].values.push_back(*value);
     columns_[i].shots.push_back(names_.size() - 1);
   }
+  if (!shot.until_known.empty()) until_known_ = shot.until_known;
   add_shared(shot);
 }
 
@@ -152,6 +156,7 @@ SeriesSummary Series::summary(std::string name) const {
   summary.name = std::move(name);
   summary.counted = counted_;
   summary.rejected = rejected_;
+  summary.until_known = until_known_;
   const SharedEffects shared = shared_effects();
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     QuantitySummary& s = summary.quantities[i];
@@ -168,7 +173,7 @@ SeriesSummary Series::summary(std::string name) const {
       s.standard_error = *s.scatter_sd / std::sqrt(s.n);
       s.budget.insert(s.budget.begin(), scatter_line(*s.standard_error, s.n));
     }
-    combine(s);
+    combine(s, !until_known_.empty());
     find_outliers(static_cast<Quantity>(i), s, summary.outliers);
   }
   return summary;

@@ -44,8 +44,9 @@ struct QuantitySummary {
   bool shared_known = true;                  ///< false: a shot came without its budget, and there is no total
   std::optional<double> total_sd;            ///< of the mean: both
   std::optional<double> degrees_of_freedom;  ///< effective (Welch-Satterthwaite); absent: infinitely many
-  std::optional<double> expanded_uncertainty;  ///< half width of the mean's 95 % interval
-  std::vector<BudgetLine> budget;              ///< of the mean
+  /// Half width of the mean's 95 % interval; of a series that ended by what it said, that of sequential.hpp.
+  std::optional<double> expanded_uncertainty;
+  std::vector<BudgetLine> budget;  ///< of the mean
 };
 
 /// A shot that stands apart. It counts all the same: whoever knows why may leave it out by name.
@@ -59,6 +60,8 @@ struct SeriesSummary {
   std::string name;  ///< "zero 23", or the session's
   int counted = 0;   ///< shots that count
   int rejected = 0;
+  /// What `strobe fire --until-known` was asked for, where that decided how many shots there are; else empty.
+  std::string until_known;
   std::array<QuantitySummary, reduction::kQuantityCount> quantities;  ///< index: Quantity
   std::vector<SeriesOutlier> outliers;
 };
@@ -110,6 +113,7 @@ class Series {
   std::vector<std::string> names_;
   std::array<Column, reduction::kQuantityCount> columns_;
   SharedEffects sums_;  ///< of the shots' effects
+  std::string until_known_;
 };
 
 SeriesSummary summarize(std::string name, std::span<const Shot> shots);

@@ -34,6 +34,7 @@ void visit_fields(Run& run, const Visit& visit) {
   visit("key_fingerprint", run.key_fingerprint);
   visit("command", run.command);
   visit("session_shots", run.session_shots);
+  visit("until_known", run.until_known);
 }
 
 void read_field(const Json& json, std::int64_t& host_id) {

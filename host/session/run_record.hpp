@@ -33,6 +33,7 @@ struct RunRecord {
   std::vector<std::string> command;  ///< as typed
   /// Shots that count which the session is to hold in the end: what `--resume` goes on to.
   int session_shots = 0;
+  std::string until_known;  ///< --until-known, as "e:0.003,mu:1%"; empty: not given
 };
 
 /// One line, with its end.

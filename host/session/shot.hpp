@@ -59,7 +59,8 @@ struct Shot {
   /// What its scale and map came from, and its ball: shots with the same text share the errors of it. Empty:
   /// likewise, but balls that a note (ball_name) tells apart.
   std::string calibration, ball;
-  std::string plan;  ///< of a shot in a series: its train in words
+  std::string plan;         ///< of a shot in a series: its train in words
+  std::string until_known;  ///< RunRecord::until_known of the run that fired it
 
   ShotKey key() const { return {boot_id, shot_id}; }
   /// "3", or "run1:3" where there are several sessions.

@@ -319,7 +319,8 @@ void ShotSeries::on_rejected(const std::string& why, std::int64_t shot_id) {
 }
 
 std::string ShotSeries::activity() const {
-  const std::string of = fmt::format("shot {} of {}", good_ + 1, settings_.shots);
+  const std::string of =
+      fmt::format("shot {} of {}{}", good_ + 1, settings_.at_most ? "at most " : "", settings_.shots);
   switch (state_) {
     case State::waiting:
       return of + (now_ < quiet_until_ ? ": waiting, as a photograph may still come"

@@ -26,6 +26,7 @@ namespace strobe::host {
 
 struct ShotSeriesSettings {
   int shots = 1;               ///< that are to count, `counted` included
+  bool at_most = false;        ///< fewer may be enough: settle()
   int counted = 0;             ///< so many do already
   bool whole_session = false;  ///< shots of earlier runs whose result comes now count, too
   int retries = 0;             ///< further shots that may be fired for rejected ones, in all
@@ -53,6 +54,8 @@ class ShotSeries {
   void step(const std::optional<strobe_msgs::status_t>& status, HostTime now);
   /// Ends the series with the shot under way; if there is none, at once. why: for a person.
   void end_after_shot(const std::string& why);
+  /// The shots that count are enough: with the last one's result the series has succeeded.
+  void settle() { settings_.shots = good_; }
   /// Ends the series; what is armed or under way is for the caller to disarm.
   void stop() { state_ = State::finished; }
 

@@ -54,6 +54,12 @@ ordered_json thesis_json(const thesis::Condition& condition) {
   return {{"spin", condition.spin}, {"angle_label_deg", condition.angle_label_deg}, {"quantities", numbers}};
 }
 
+/// Of each of two series, and the 95 % interval of that number.
+ordered_json shots_json(const std::optional<ShotCount>& count) {
+  if (!count) return {};
+  return {{"shots", count->shots}, {"fewest", count->fewest}, {"most", count->most}};
+}
+
 std::string_view agreement_name(reduction::Agreement agrees) {
   constexpr std::array<std::string_view, 3> kNames{"yes", "no", "open"};
   return kNames[static_cast<std::size_t>(agrees)];
@@ -63,6 +69,8 @@ std::string_view agreement_name(reduction::Agreement agrees) {
 
 ordered_json series_json(const SeriesSummary& summary, const std::optional<thesis::Condition>& condition) {
   ordered_json object{{"series", summary.name}, {"counted", summary.counted}, {"rejected", summary.rejected}};
+  object["until_known"] =
+      messages::or_null(summary.until_known.empty() ? std::nullopt : std::optional(summary.until_known));
   ordered_json& quantities = object["quantities"] = ordered_json::object();
   for (std::size_t i = 0; i < kQuantityCount; ++i)
     quantities[key(static_cast<Quantity>(i))] = quantity_json(summary.quantities[i]);
@@ -93,7 +101,9 @@ ordered_json comparison_json(const std::string& first, const std::string& second
                           {"decided", d->decided},
                           {"p_value", d->p_value},
                           {"difference_asked", d->asked},
-                          {"more_shots", {or_null(d->more_first), or_null(d->more_second)}}};
+                          {"power", d->power},
+                          {"more_shots", {or_null(d->more_first), or_null(d->more_second)}},
+                          {"shots_of_each", shots_json(d->of_each)}};
   }
   return object;
 }

@@ -14,7 +14,7 @@
 
 namespace strobe::host {
 
-/// name, counted, rejected, quantities (each with its budget), outliers.
+/// name, counted, rejected, until_known, quantities (each with its budget), outliers.
 nlohmann::ordered_json series_json(const SeriesSummary& summary,
                                    const std::optional<thesis::Condition>& condition);
 nlohmann::ordered_json comparison_json(const std::string& first, const std::string& second,

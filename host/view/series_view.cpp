@@ -66,20 +66,28 @@ std::string more_words(const QuantityDifference& d) {
   if (!d.more_first) return d.asked > 0.0 ? "no number" : "-";
   if (*d.more_first == 0 && *d.more_second == 0) return "enough";
   if (std::max(*d.more_first, *d.more_second) > kMost) return "more than 10,000";
-  return fmt::format("{} + {}", *d.more_first, *d.more_second);
+  const std::string most = d.of_each->most > kMost ? "more than 10,000" : fmt::format("{}", d.of_each->most);
+  return fmt::format("{} + {} ({} to {})", *d.more_first, *d.more_second, d.of_each->fewest, most);
 }
 
-/// What the further shots are counted for.
+/// What the further shots are counted for, and how sure their number is.
 std::string asked_words(const Comparison& comparison) {
   std::string words;
+  double power = kPower;
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto& d = comparison.quantities[i];
+    if (d) power = d->power;
     if (!d || !d->is_asked) continue;
     const QuantityLabel& label = kQuantityLabels[i];
-    words += fmt::format("{}{:g}{}{} in {}", words.empty() ? "(further shots: to find " : ", ", d->asked,
+    words += fmt::format("{}{:g}{}{} in {}", words.empty() ? "" : ", ", d->asked,
                          label.unit.empty() ? "" : " ", label.unit, label.words);
   }
-  return words.empty() ? words : words + "; in others the difference found)";
+  words += words.empty() ? "the difference found" : "; in others the difference found";
+  return fmt::format(
+      "(further shots: to find {}, with a probability of {:g} %; in brackets how many of each in all, 95 %, "
+      "as "
+      "the scatter is known by few)",
+      words, 100.0 * power);
 }
 
 std::string agreement_words(const reduction::DrawnNumber& d) {
@@ -94,6 +102,13 @@ std::string agreement_words(const reduction::DrawnNumber& d) {
 }
 
 }  // namespace
+
+std::string sequential_words(const SeriesSummary& summary) {
+  return fmt::format(
+      "--until-known {} decided how many shots there are: ± 95 % is wider than Student's by as much as such "
+      "looking asks for",
+      summary.until_known);
+}
 
 bool is_essential(Quantity q) { return q != Quantity::slip_lo_mps && q != Quantity::court_pace; }
 
@@ -119,6 +134,8 @@ Lines render_summary(const SeriesSummary& summary, const std::optional<thesis::C
     lines.push_back("(a shot came without its uncertainty budget: what the shots share is not known)");
   if (summary.counted == 1)
     lines.push_back("(one shot has no scatter: what it says of itself is above; a series needs two)");
+  if (!summary.until_known.empty())
+    for (std::string& line : wrapped("(" + sequential_words(summary) + ")", width)) lines.push_back(line);
   add_outliers(summary, lines);
   return fitted(std::move(lines), width);
 }
@@ -161,13 +178,12 @@ Lines render_comparison(const std::string& first, const std::string& second, con
     lines.push_back(label_cells(q) + cell(d->difference, d->total_sd) +
                     cell(d->expanded_uncertainty, d->total_sd) + cell(d->total_sd, d->total_sd) +
                     cell(d->standard_error, d->total_sd) + cell(d->shared_sd, d->total_sd) +
-                    right(fmt::format("{:.2g}", d->p_value), kNumberWidth) + "  " + left(more_words(*d), 18) +
+                    right(fmt::format("{:.2g}", d->p_value), kNumberWidth) + "  " + left(more_words(*d), 22) +
                     (d->decided ? "differs" : "not decided"));
   }
   if (!any)
     return fitted({fmt::format("{} less {}: two counted shots of each are needed", first, second)}, width);
-  if (const std::string asked = asked_words(comparison); !asked.empty())
-    for (std::string& line : wrapped(asked, width)) lines.push_back(std::move(line));
+  for (std::string& line : wrapped(asked_words(comparison), width)) lines.push_back(std::move(line));
   return fitted(std::move(lines), width);
 }
 

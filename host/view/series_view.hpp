@@ -18,6 +18,9 @@ namespace strobe::host {
 /// Of a person's first reading: not the slip. The court pace is there where shots conform to ITF CS 01/02.
 bool is_essential(reduction::Quantity q);
 
+/// Of a series that ended by what it said (SeriesSummary::until_known): that it did, a sentence.
+std::string sequential_words(const SeriesSummary& summary);
+
 /// "zero 23: 9 shots counted, 1 rejected", a row for each quantity, and outliers. `all`: every quantity, else
 /// the essential ones. Without a counted shot a sentence.
 std::vector<std::string> render_summary(const SeriesSummary& summary,

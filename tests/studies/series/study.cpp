@@ -6,10 +6,13 @@
 #include <random>
 
 #include "common/flight/aerodynamics.hpp"
+#include "common/reduction/running_statistics.hpp"
 #include "common/reduction/uncertainty.hpp"
 #include "common/reduction/reduce.hpp"
 #include "common/statistics/distributions.hpp"
 #include "host/series/compare.hpp"
+#include "host/series/sample_size.hpp"
+#include "host/series/sequential.hpp"
 #include "host/session/shot.hpp"
 #include "sim/motion/ball_path.hpp"
 #include "sim/shoot/shoot.hpp"
@@ -64,13 +67,17 @@ class Truth {
     constexpr int kShots = 2000;
     const Quantities middle = without_spread(scene);
     sim::Shooter shooter = shooter_of(scene, 0x7275);
+    std::array<reduction::RunningStatistics, kQuantityCount> all;
     for (int shot = 1; shot <= kShots; ++shot) {
       const Quantities truth = shooter.shoot(shot).truth;
       for (std::size_t i = 0; i < kQuantityCount; ++i) {
         const auto q = static_cast<Quantity>(i);
         if (truth[q] && middle[q]) off_[i] += (*truth[q] - *middle[q]) / kShots;
+        if (truth[q]) all[i].add(*truth[q]);
       }
     }
+    for (std::size_t i = 0; i < kQuantityCount; ++i)
+      if (all[i].count() > 1) sd_[i] = all[i].sample_sd();
   }
 
   Quantities of(const sim::Scene& scene) const {
@@ -80,12 +87,15 @@ class Truth {
     return mean;
   }
 
+  /// Of shots.
+  double scatter_sd(Quantity q) const { return sd_[static_cast<std::size_t>(q)]; }
+
  private:
   static Quantities without_spread(const sim::Scene& scene) {
     return shooter_of(sim::without_spread(scene), 1).shoot(1).truth;
   }
 
-  std::array<double, kQuantityCount> off_{};
+  std::array<double, kQuantityCount> off_{}, sd_{};
 };
 
 /// As a laboratory measures it: with the stated ball, and the calibration's scale.
@@ -194,6 +204,66 @@ SeriesCoverage run(const SeriesPlan& plan, std::atomic<int>& done) {
       all.differences[i].add(one.differences[i]);
       all.by_scatter[i].add(one.by_scatter[i]);
     }
+  }
+  return all;
+}
+
+namespace {
+
+/// So short that `shots` of that scatter would do if it were known, beside what they share.
+double wanted_half_width(double scatter_sd, double shared_sd, double shots) {
+  return 1.959964 * std::hypot(scatter_sd / std::sqrt(shots), shared_sd);
+}
+
+/// Until it is known. What is shared is what the first shot says, as it is the same for all but for their spread.
+void add_sequential(const SeriesPlan& plan, std::size_t which, const Truth& truth, SequentialSeries& result) {
+  const Errors errors = drawn(plan, which);
+  const sim::Scene& stated = plan.scenes[which % plan.scenes.size()];
+  const Quantity q = kSequentialQuantities[which % kSequentialQuantities.size()];
+  const sim::Scene scene = with(stated, errors);
+  sim::Shooter shooter = shooter_of(scene, plan.seed * 1'000'003 + which + 1);
+  host::Series series;
+  std::optional<host::Wanted> wanted;
+  for (int shot = 1; shot <= kMaxSequentialShots; ++shot) {
+    host::Shot one = measured(shooter.shoot(shot).frame, stated, plan, errors);
+    one.until_known = "asked";
+    series.add(one);
+    if (series.values(q).empty()) continue;
+    const host::SeriesSummary summary = series.summary("");
+    const host::QuantitySummary& s = summary.quantities[static_cast<std::size_t>(q)];
+    const double shots_if_known = kShotsIfKnown[which / kSequentialQuantities.size() % kShotsIfKnown.size()];
+    if (!wanted)
+      wanted = {q, wanted_half_width(truth.scatter_sd(q), s.shared_sd, shots_if_known), false};
+    if (host::known_so_far(summary, *wanted).state != host::Known::State::known) continue;
+    const double error = s.mean - *truth.of(scene)[q];
+    const double shared = square(s.shared_sd / *s.total_sd);
+    result.sequential.add(error, *s.expanded_uncertainty, shared);
+    result.plain.add(error, host::mean_half_width(*s.scatter_sd, s.shared_sd, s.n), shared);
+    result.shots += s.n;
+    return;
+  }
+  ++result.not_known;
+}
+
+}  // namespace
+
+std::array<SequentialSeries, kShotsIfKnown.size()> run_sequential(const SeriesPlan& plan, std::atomic<int>& done) {
+  std::vector<std::optional<Truth>> truths(plan.scenes.size());
+  in_parallel(truths.size(), static_cast<unsigned>(plan.threads),
+              [&](std::size_t i) { truths[i].emplace(plan.scenes[i]); });
+  const auto count = static_cast<std::size_t>(plan.series);
+  std::vector<SequentialSeries> of_series(count);
+  in_parallel(count, static_cast<unsigned>(plan.threads), [&](std::size_t i) {
+    add_sequential(plan, i, *truths[i % plan.scenes.size()], of_series[i]);
+    ++done;
+  });
+  std::array<SequentialSeries, kShotsIfKnown.size()> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    SequentialSeries& sum = all[i / kSequentialQuantities.size() % kShotsIfKnown.size()];
+    sum.not_known += of_series[i].not_known;
+    sum.shots += of_series[i].shots;
+    sum.sequential.add(of_series[i].sequential);
+    sum.plain.add(of_series[i].plain);
   }
   return all;
 }

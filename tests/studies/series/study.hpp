@@ -43,4 +43,20 @@ struct SeriesCoverage {
 /// `done` counts pairs, for a progress display. Fails only for a scene that cannot be shot.
 SeriesCoverage run(const SeriesPlan& plan, std::atomic<int>& done);
 
+/// Series that end as soon as a mean is known well enough (host/series/sequential.hpp). The wanted half widths are such
+/// that so many shots would do if the scatter were known.
+inline constexpr std::array<double, 4> kShotsIfKnown{3.0, 8.0, 15.0, 30.0};
+inline constexpr int kMaxSequentialShots = 300;
+struct SequentialSeries {
+  int not_known = 0;       ///< by kMaxSequentialShots shots; left out
+  double shots = 0.0;      ///< sum
+  Held sequential, plain;  ///< intervals by the rule, and Student's of the same shots
+};
+
+/// Index: kShotsIfKnown. Each series wants one quantity of kSequentialQuantities, in turn. `done` counts series.
+inline constexpr std::array kSequentialQuantities{reduction::Quantity::e, reduction::Quantity::mu,
+                                                  reduction::Quantity::vx_lo_mps, reduction::Quantity::omega_lo_radps,
+                                                  reduction::Quantity::theta_out_deg};
+std::array<SequentialSeries, kShotsIfKnown.size()> run_sequential(const SeriesPlan& plan, std::atomic<int>& done);
+
 }  // namespace strobe::studies
