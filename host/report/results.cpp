@@ -310,6 +310,10 @@ Section results(const Content& content) {
                 "(JCGM 100:2008). Scatter sd: of single shots about their mean. Angles, speeds and spins are "
                 "those when the ball's centre is one radius above the surface; x along the surface in the "
                 "direction of travel, y up from it, backspin positive."});
+  for (const ConditionGroup& group : content.conditions)
+    if (!group.summary.until_known.empty())
+      section.blocks.emplace_back(Paragraph{
+          "until_known_" + group.key, group.label + ": " + host::sequential_words(group.summary) + "."});
   add_tables(section, content);
   const auto quantities = quantities_of(content.input);
   for (const ConditionGroup& group : content.conditions)

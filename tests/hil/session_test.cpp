@@ -111,6 +111,38 @@ TEST(Session, FolderHoldsAllThatIsNeededToRecomputeIt) {
   CHECK_EQUAL("two shots", readouts(fired.out).front().at("record").at("remarks").get<std::string>());
 }
 
+// Of zero_23 e scatters by about 0.02: five shots or a few more.
+TEST(Session, UntilKnownFiresUntilTheMeanIsKnownAndEveryoneIsToldSo) {
+  ReadyRig bench(patient());
+  const std::string host = bench.folder() / "host";
+  const auto fired = ran(bench.strobe(
+      {"fire", "--until-known", "e:0.03", "--retries", "30", "--session", host, "--plain"}));
+  STRCMP_CONTAINS("of 0.03 wanted; about ", fired.err.c_str());
+  STRCMP_CONTAINS("shots counted, enough to know e ± 0.0", fired.err.c_str());
+  const auto table = read_csv(host + "/results.csv");
+  int counted = 0;
+  for (const auto& row : table.rows) counted += row.at(table.column("rejected")).empty() ? 1 : 0;
+  CHECK_TRUE(counted >= 5 && counted < 20);
+  STRCMP_CONTAINS("\"until_known\":\"e:0.03\"", read_text(host + "/runs.jsonl").c_str());
+
+  const auto series = json::parse(ran(bench.strobe({"series", host, "--json"})).out);
+  CHECK_EQUAL("e:0.03", series.at("until_known").get<std::string>());
+  LONGS_EQUAL(counted, series.at("counted").get<int>());
+  const auto& e = series.at("quantities").at("e");
+  CHECK_TRUE(e.at("expanded_uncertainty").get<double>() <= 0.03);
+  CHECK_TRUE(e.at("expanded_uncertainty").get<double>() > e.at("total_sd").get<double>() * 2.0);
+
+  const auto again = ran(bench.strobe({"fire", "--resume", "--session", host, "--plain"}));
+  STRCMP_CONTAINS("enough to know e:0.03: nothing is fired", again.err.c_str());
+
+  // What all shots share is told by the first, be it of an earlier run.
+  const auto never =
+      ran(bench.strobe({"fire", "--until-known", "v_td:0.0001%", "--retries", "30", "--session", host, "--plain"}), 1);
+  STRCMP_CONTAINS("v_td_mps ± ", never.err.c_str());
+  STRCMP_CONTAINS("cannot be had: what all shots share (calibration, ball) makes it ± ", never.err.c_str());
+  LONGS_EQUAL(table.rows.size() + 1, read_csv(host + "/results.csv").rows.size());
+}
+
 TEST(Session, TheFirstCtrlCFinishesTheShotUnderWayAndTheSessionCanBeGoneOnWith) {
   ReadyRig bench(patient());
   const std::string host = bench.folder() / "host";

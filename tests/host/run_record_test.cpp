@@ -27,6 +27,7 @@ RunRecord example() {
   run.key_fingerprint = "1f2e";
   run.command = {"strobe", "fire", "--until", "10"};
   run.session_shots = 10;
+  run.until_known = "e:0.003,mu:1%";
   return run;
 }
 

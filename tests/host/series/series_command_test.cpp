@@ -26,6 +26,11 @@ TEST(SeriesCommand, RefusesADifferenceWithoutItsQuantity) {
   STRCMP_CONTAINS("must be a number above 0", told({"--difference", "e:"}).c_str());
 }
 
+TEST(SeriesCommand, RefusesAPowerThatNobodyCanMean) {
+  for (const char* power : {"0.05", "1", "80"}) STRCMP_CONTAINS("--power", told({"--power", power}).c_str());
+  STRCMP_CONTAINS("nowhere: no such folder", told({"--power", "0.9"}).c_str());
+}
+
 TEST(SeriesCommand, TakesADifferenceOfEachQuantityNamedAsShortAsItIsPlain) {
   for (const char* words : {"e:0.005", "omega_lo:5", "omega_lo_radps:5,e:0.005,dwell_time:0.1"})
     STRCMP_CONTAINS("nowhere: no such folder", told({"--difference", words}).c_str());
