@@ -69,9 +69,21 @@ TEST(SeriesView, SaysWhatFurtherShotsAreToFindAndInWordsWhereNobodyFiresSoMany) 
   asked[Quantity::vx_td_mps] = 0.01;
   const auto lines = render_comparison("a", "b", compare(first, second, asked), 120);
   STRCMP_CONTAINS("more than 10,000 not decided", row(lines, "vx touchdown").c_str());
-  CHECK_EQUAL("(further shots: to find 0.01 m/s in vx touchdown; in others the difference found)", lines.back());
+  STRCMP_CONTAINS("to find 0.01 m/s in vx touchdown; in others the difference found, with a probability of 80 %",
+                  row(lines, "(further").c_str());
   for (const std::string& line : lines) CHECK_TRUE(line.find("…") == line.npos);
-  CHECK_TRUE(row(render_comparison("a", "b", compare(first, second), 120), "(further").empty());
+  STRCMP_CONTAINS("to find the difference found, with a probability of 90 %",
+                  row(render_comparison("a", "b", compare(first, second, {}, 0.9), 120), "(further").c_str());
+}
+
+TEST(SeriesView, SaysThatASeriesWasEndedByWhatItSaid) {
+  auto shots = series_shots({10.0, 12.0, 14.0, 13.0, 11.0});
+  for (Shot& shot : shots) shot.until_known = "vx_td_mps:3";
+  const auto summary = summarize("a", shots);
+  STRCMP_CONTAINS("--until-known vx_td_mps:3 decided how many shots there are",
+                  row(render_summary(summary, std::nullopt, 120), "(--until-known").c_str());
+  CHECK_EQUAL("vx_td_mps:3", series_json(summary, std::nullopt)["until_known"].get<std::string>());
+  CHECK_TRUE(series_json(example(), std::nullopt)["until_known"].is_null());
 }
 
 TEST(SeriesView, TellsAProgramTheSame) {

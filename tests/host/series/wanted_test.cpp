@@ -1,6 +1,7 @@
 // What a person types that is to be known.
 #include "host/series/wanted.hpp"
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;
@@ -31,7 +32,7 @@ TEST(WantedNumbers, AreReadBackAsTheyAreWritten) {
 
 TEST(WantedNumbers, AreRefusedWithTheOptionAndTheText) {
   const auto complaint = [](const std::vector<std::string>& texts, Percent percent) {
-    return parse_wanted("--want", texts, percent).error().message;
+    return testing::error_of(parse_wanted("--want", texts, percent));
   };
   STRCMP_CONTAINS("--want 5: of which quantity?", complaint({"5"}, Percent::allowed).c_str());
   STRCMP_CONTAINS("--want vx:1: no \"vx\" among theta_in_deg", complaint({"vx:1"}, Percent::allowed).c_str());
