@@ -16,7 +16,7 @@ std::string two_digits(double number) { return rounded(number, number); }
 
 std::string known_words(const Known& known) {
   const auto name = reduction::name(known.wanted.quantity);
-  if (!known.half_width) return fmt::format("{} of {:.3g} wanted", name, known.wanted_half_width);
+  if (!known.half_width) return fmt::format("{} ± {:.3g} wanted", name, known.wanted_half_width);
   return fmt::format("{} ± {} of {:.3g} wanted", name, two_digits(*known.half_width),
                      known.wanted_half_width);
 }
