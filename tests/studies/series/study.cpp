@@ -234,7 +234,9 @@ void add_sequential(const SeriesPlan& plan, std::size_t which, const Truth& trut
     const double shots_if_known = kShotsIfKnown[which / kSequentialQuantities.size() % kShotsIfKnown.size()];
     if (!wanted)
       wanted = {q, wanted_half_width(truth.scatter_sd(q), s.shared_sd, shots_if_known), false};
-    if (host::known_so_far(summary, *wanted).state != host::Known::State::known) continue;
+    const auto state = host::known_so_far(summary, *wanted).state;
+    if (state == host::Known::State::never) break;  // later shots share more than the first
+    if (state != host::Known::State::known) continue;
     const double error = s.mean - *truth.of(scene)[q];
     const double shared = square(s.shared_sd / *s.total_sd);
     result.sequential.add(error, *s.expanded_uncertainty, shared);

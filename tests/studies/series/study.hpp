@@ -48,7 +48,7 @@ SeriesCoverage run(const SeriesPlan& plan, std::atomic<int>& done);
 inline constexpr std::array<double, 4> kShotsIfKnown{3.0, 8.0, 15.0, 30.0};
 inline constexpr int kMaxSequentialShots = 300;
 struct SequentialSeries {
-  int not_known = 0;       ///< by kMaxSequentialShots shots; left out
+  int not_known = 0;       ///< by kMaxSequentialShots shots, or never; left out
   double shots = 0.0;      ///< sum
   Held sequential, plain;  ///< intervals by the rule, and Student's of the same shots
 };
