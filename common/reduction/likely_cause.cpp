@@ -48,30 +48,32 @@ double misfit(const ShotFit& fit) {
 }
 
 struct Candidate {
-  Cause cause;
   double step;                                 ///< some sds of what a photograph tells
   double farthest;                             ///< either way
   void (*move)(Observations& all, double by);  ///< from what was stated
 };
 
+/// Index: Cause.
 constexpr std::array<Candidate, kCauseCount> kCandidates{
-    {{Cause::air, 0.2, 4.0, [](Observations& all, double by) { all.air_density_kgpm3 *= 1.0 + by; }},
-     {Cause::scale, 0.002, 0.5,
+    {{0.2, 4.0, [](Observations& all, double by) { all.air_density_kgpm3 *= 1.0 + by; }},
+     {0.002, 0.5,
       [](Observations& all, double by) {
         if (all.scale) *all.scale *= 1.0 + by;
       }},
-     {Cause::ball_diameter, 0.002, 0.5,
+     {0.002, 0.5,
       [](Observations& all, double by) {
         all.ball_diameter_m *= 1.0 + by;
         all.ball.diameter_m *= 1.0 + by;
       }},
-     {Cause::inclination, 0.002, 0.5,
+     {0.002, 0.5,
       [](Observations& all, double by) {
         all.gravity_mps2 = geometry::Rotation2d(all.surface.mirrored ? by : -by) * all.gravity_mps2;
       }},
-     {Cause::flash_period, 0.002, 0.5, [](Observations& all, double by) {
+     {0.002, 0.5, [](Observations& all, double by) {
         for (Observation& o : all.images) o.time_s *= 1.0 + by;
       }}}};
+
+constexpr Candidate kGravity{0.02, 10.0, [](Observations& all, double by) { all.gravity_mps2 *= 1.0 + by; }};
 
 ShotFit moved(const ShotFit& fit, const Candidate& candidate, double by) {
   ShotFit other = fit;
@@ -90,8 +92,8 @@ constexpr double kSignificant = 19.5;
 constexpr double kIndistinguishableCauses = 9.0;
 
 /// Steps to the least of the parabola through three misfits, which is one of any parameter that moves the
-/// images in proportion. No further than the first where that promises less than any rival of a cause has.
-Explanation explained_by(const ShotFit& fit, const Candidate& candidate) {
+/// images in proportion. No further than the first where that promises to explain less than `worthwhile`.
+Explanation explained_by(const ShotFit& fit, const Candidate& candidate, double worthwhile) {
   constexpr int kSteps = 4;
   constexpr double kTold = 1e-6;  // less is rounding
   const auto at = [&](double by) { return misfit(moved(fit, candidate, by)); };
@@ -105,7 +107,7 @@ Explanation explained_by(const ShotFit& fit, const Candidate& candidate) {
     best.misfit = here;
     best.sd = candidate.step * std::sqrt(2.0 / bend);
     const double slope = 0.5 * (above - below);
-    if (step == 0 && 0.5 * slope * slope / bend < kSignificant - kIndistinguishableCauses) break;
+    if (step == 0 && 0.5 * slope * slope / bend < worthwhile) break;
     if (step + 1 == kSteps) break;
     best.by = std::clamp(best.by - candidate.step * slope / bend, -candidate.farthest, candidate.farthest);
   }
@@ -145,16 +147,28 @@ std::optional<LikelyCause> likely_cause(const ShotFit& fit) {
   const double as_stated = misfit(fit);
   if (!(as_stated < kAbsurdMisfit)) return std::nullopt;
   std::array<Explanation, kCauseCount> all;
-  std::ranges::transform(kCandidates, all.begin(), [&](const Candidate& c) { return explained_by(fit, c); });
+  std::ranges::transform(kCandidates, all.begin(), [&](const Candidate& c) {
+    return explained_by(fit, c, kSignificant - kIndistinguishableCauses);
+  });
   const auto best = std::ranges::min_element(all, {}, &Explanation::misfit);
   if (!(best->misfit + kSignificant < as_stated)) return std::nullopt;
   const double told = best->misfit + kIndistinguishableCauses;
   const auto rivals = std::ranges::count_if(all, [&](const Explanation& e) { return e.misfit < told; });
   if (rivals > 1 || least_without_one(fit) < told) return std::nullopt;
-  const Candidate& candidate = kCandidates[static_cast<std::size_t>(best - all.begin())];
-  const ShotFit explained = moved(fit, candidate, best->by);
+  const auto cause = static_cast<std::size_t>(best - all.begin());
+  const ShotFit explained = moved(fit, kCandidates[cause], best->by);
   if (test_residuals(explained).exceeded || scale_contradicts_ball(explained)) return std::nullopt;
-  return named(candidate.cause, *best);
+  return named(static_cast<Cause>(cause), *best);
+}
+
+std::optional<Estimate> local_gravity(ShotFit fit) {
+  Observations& all = fit.observations;
+  if (all.scale) all.scale_sd = 0.0;
+  refit(fit, {});
+  const double stated_mps2 = all.gravity_mps2.norm();
+  const Explanation free = explained_by(fit, kGravity, 0.0);
+  if (!(free.sd > 0.0) || !std::isfinite(free.misfit)) return std::nullopt;
+  return Estimate{stated_mps2 * (1.0 + free.by), stated_mps2 * free.sd};
 }
 
 }  // namespace strobe::reduction

@@ -6,6 +6,7 @@
 
 #include "common/reduction/readout.hpp"
 #include "common/reduction/shot_fit.hpp"
+#include "common/reduction/witnesses.hpp"
 
 namespace strobe::reduction {
 
@@ -17,5 +18,10 @@ namespace strobe::reduction {
 /// Returns nullopt otherwise, and where noise is estimated from the residuals, which then cannot exceed it.
 /// Source: likelihood ratio, e.g. Koch, Parameter Estimation and Hypothesis Testing, 4.2.
 std::optional<LikelyCause> likely_cause(const ShotFit& fit);
+
+/// Gravity's magnitude as the free fall of all legs tells it, with drag and lift as far as they are known, on
+/// the calibrated scale as it stands, so that the diameters have no part in it. [m/s^2] Returns nullopt where
+/// the paths do not tell it.
+std::optional<Estimate> local_gravity(ShotFit fit);
 
 }  // namespace strobe::reduction
