@@ -24,6 +24,7 @@
 #include "host/series/compare.hpp"
 #include "host/series/select.hpp"
 #include "host/series/wanted.hpp"
+#include "host/view/drift_view.hpp"
 #include "host/view/series_json.hpp"
 #include "host/view/series_view.hpp"
 
@@ -41,7 +42,7 @@ struct SeriesOptions {
   std::vector<std::string> differences;
   double power = kPower;
   int draws = 0;
-  bool all = false, json = false;
+  bool all = false, witnesses = false, json = false;
 };
 
 struct NamedSession {
@@ -147,11 +148,15 @@ class SeriesPrinter {
       ordered_json object = series_json(summary, condition);
       object["shots"] = shots_json(group);
       object["left_out"] = selected_.left_out;
+      object["witnesses"] = drift_json(charts_of(group.shots));
       if (settings_.draws > 0) object["monte_carlo"] = drawn_json(group);
       return print_json(object);
     }
     print(render_summary(summary, condition, kPlainWidth, settings_.all));
     print(shot_lines(group));
+    const WitnessCharts charts = charts_of(group.shots);
+    print(render_drift(charts));
+    if (settings_.witnesses) print(render_witnesses(charts));
     if (const auto q = find_quantity(settings_.budget)) {
       const auto& lines = summary.quantities[static_cast<std::size_t>(*q)].budget;
       print(render_budget(name + ", mean", lines, *q, kPlainWidth));
@@ -356,10 +361,14 @@ void add_series_command(CLI::App& app, int& exit_status) {
       ->check(CLI::Range(reduction::kMinDraws, reduction::kMaxDraws));
   add_session_options(*command, options->session);
   command->add_flag("--all", options->all, "every quantity, the slip too");
+  command->add_flag(
+      "--witnesses", options->witnesses,
+      "what each shot says of scale, clock, inclination, lens and lamps, with control charts' sums");
   command->add_flag("--json", options->json,
                     "one JSON object a series, and one for --compare; nothing else on standard output");
   command_line::for_experts(*command,
-                            {"--difference", "--power", "--monte-carlo", "--rig", "--key-file", "--all"});
+                            {"--difference", "--power", "--monte-carlo", "--rig", "--key-file", "--all",
+                             "--witnesses"});
   command->footer(
       "Example: strobe series run1 run2 --by spin,angle --without run1:7\n"
       "         strobe series run1 run2 --compare run1 run2 --difference e:0.01 --power 0.9\n"

@@ -242,7 +242,9 @@ void HostLoop::publish(messages::Channel channel, const Message& message) {
 
 /// Some milliseconds, which nobody who waits for the readout's message waits for.
 void HostLoop::make_budget(Shot& result) {
-  if (result.matched) result.budget = reduction::mixture_budget(*result.matched, result.readout);
+  if (!result.matched) return;
+  result.budget = reduction::mixture_budget(*result.matched, result.readout);
+  if (auto told = reduction::photograph_witnesses(*result.matched)) result.witnesses = std::move(*told);
   result.matched.reset();
 }
 

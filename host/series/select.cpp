@@ -189,7 +189,10 @@ reduction::Budget budget_of(const Shot& shot) {
 Shot series_shot(const Shot& stored) {
   assert(stored.rig);
   Shot shot = stored;
-  if (!shot.rejected) shot.budget = budget_of(stored);
+  if (const auto frame = matched_frame(stored); frame && !shot.rejected) {
+    shot.budget = reduction::mixture_budget(*frame, shot.readout);
+    if (auto told = reduction::photograph_witnesses(*frame)) shot.witnesses = std::move(*told);
+  }
   shot.calibration = calibration_of(*stored.rig);
   shot.ball = ball_of(*stored.rig, stored.readout.record);
   if (stored.summary) shot.plan = plan_of(stored.summary->plan);

@@ -167,7 +167,10 @@ class Session {
   void set_deadline(PendingShot& waiting) const;
   /// Each shot is finished once.
   void mark_finished(const ShotKey& key, FinishedShot how);
-  void push(Shot shot_result) { shot_results_.push_back(std::move(shot_result)); }
+  void push(Shot shot_result) {
+    shot_result.clock_drift_ppm = clock_.state().drift_ppm;
+    shot_results_.push_back(std::move(shot_result));
+  }
   bool ball_came_after_abort(const strobe_msgs::shot_t& shot) const;
   std::optional<strobe_msgs::frame_t> take_early_frame(const ShotKey& key);
   std::map<ShotKey, PendingShot>::iterator waiting_for(const strobe_msgs::frame_t& frame);

@@ -15,6 +15,7 @@
 
 #include "common/reduction/readout.hpp"
 #include "common/reduction/uncertainty.hpp"
+#include "common/reduction/witnesses.hpp"
 #include "common/shot/shot_key.hpp"
 #include "host/assembly/assemble.hpp"
 #include "host/config/rig_file.hpp"
@@ -56,6 +57,10 @@ struct Shot {
   /// Of the readout, with the times of the flashes: if AssemblySettings asks for budgets, until there is one.
   std::optional<reduction::Frame> matched;
   reduction::Budget budget;  ///< of the readout's uncertainty; without sources: it was not made
+  /// Of its photograph, made with the budget.
+  std::optional<reduction::PhotographWitnesses> witnesses;
+  /// How this computer's clock and the rig's stood to each other then, see ClockState.
+  std::optional<double> clock_drift_ppm;
   /// What its scale and map came from, and its ball: shots with the same text share the errors of it. Empty:
   /// likewise, but balls that a note (ball_name) tells apart.
   std::string calibration, ball;

@@ -190,6 +190,8 @@ DelayCalibration delay_calibration(const shot_t& shot) {
   DelayCalibration calibration;
   calibration.lamp_a_us = lamp_delay_us(shot, strobe_msgs::coded_flash_t::LAMP_A, &flash_t::observed_a_ns);
   calibration.lamp_b_us = lamp_delay_us(shot, strobe_msgs::coded_flash_t::LAMP_B, &flash_t::observed_b_ns);
+  calibration.stated_a_us = shot.lamp_delay_a_us;
+  calibration.stated_b_us = shot.lamp_delay_b_us;
   if (shot.shutter_feedback == shot_t::FEEDBACK_SEEN || shot.shutter_feedback == shot_t::FEEDBACK_LATE) {
     calibration.opening_lag_ms = lag_ms(from_ns(shot.shutter_open_ns), from_ns(shot.shutter_on_ns));
     calibration.closing_lag_ms = lag_ms(from_ns(shot.shutter_close_ns), from_ns(shot.shutter_off_ns));

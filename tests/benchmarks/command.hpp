@@ -23,6 +23,7 @@ void add_board_plan_command(CLI::App& app, int& exit_status);
 void add_contact_command(CLI::App& app, int& exit_status);
 void add_digitize_command(CLI::App& app, int& exit_status);
 void add_digits_command(CLI::App& app, int& exit_status);
+void add_drift_command(CLI::App& app, int& exit_status);
 void add_efficiency_command(CLI::App& app, int& exit_status);
 void add_fit_coverage_command(CLI::App& app, int& exit_status);
 void add_effects_command(CLI::App& app, int& exit_status);
