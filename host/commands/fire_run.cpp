@@ -5,6 +5,7 @@
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/commission_run.hpp"
+#include "host/commands/drift_watch.hpp"
 #include "host/commands/shot_text.hpp"
 #include "host/commands/until_known.hpp"
 #include "host/loop/series_runner.hpp"
@@ -63,7 +64,8 @@ class FireRun final : private HostListener {
         runner_(stored_.runner()),
         terminal_(request.style,
                   fmt::format("strobe fire   rig {}   session {}", request.rig.rig, request.options.session)),
-        shot_text_(folder, clock, [this](std::int64_t host) { return shown(host); }) {
+        shot_text_(folder, clock, [this](std::int64_t host) { return shown(host); }),
+        drift_watch_(loop_, [this](std::int64_t host) { return shown(host); }) {
     loop_.person_acted(request.asked);
     loop_.add_listener(terminal_);
     loop_.add_listener(shot_text_);
@@ -71,6 +73,7 @@ class FireRun final : private HostListener {
       until_known_.emplace(request.wanted, std::make_shared<const RigFile>(request.rig), request.earlier);
       loop_.add_listener(*this);  // after those that show the shot
     }
+    loop_.add_listener(drift_watch_);
     terminal_.show_only([this](std::int64_t host) { return shown(host); });
     terminal_.model().thesis = request.condition;
     terminal_.model().all = request.options.all;
@@ -300,6 +303,7 @@ class FireRun final : private HostListener {
   SeriesRunner& runner_;
   Terminal terminal_;
   ShotText shot_text_;
+  DriftWatch drift_watch_;
   int obeyed_ = 0;              ///< of ends_asked_for()
   std::optional<int> left_by_;  ///< of ends_asked_for(): then nothing is waited for any more
   std::string ended_by_;        ///< why the series ends before its time; empty: it does not

@@ -148,6 +148,7 @@ Report build_report(const ReportInput& input) {
   report.sections.push_back(figures(content));
   if (Section contact = contact_figures(content); !contact.blocks.empty())
     report.sections.push_back(std::move(contact));
+  report.sections.push_back(witnesses(content));
   report.sections.push_back(shots(content));
   report.sections.push_back(photographs(content));
   report.sections.push_back(budgets(content));

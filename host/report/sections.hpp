@@ -28,6 +28,8 @@ Section commissioning(const Content& content);
 Section figures(const Content& content);
 /// The images in contact; a section without blocks where there are none, or no thesis to set them beside.
 Section contact_figures(const Content& content);
+/// Control charts of what each shot says of scale, clock, inclination, lens and lamps.
+Section witnesses(const Content& content);
 /// Each shot in numbers; those that do not count, with the reasons.
 Section shots(const Content& content);
 /// Each shot's photograph with what was found on it.

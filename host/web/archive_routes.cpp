@@ -11,6 +11,7 @@
 #include "host/config/notes.hpp"
 #include "host/report/report.hpp"
 #include "host/series/compare.hpp"
+#include "host/view/drift_view.hpp"
 #include "host/view/series_json.hpp"
 #include "host/web/conditions.hpp"
 #include "host/web/detail_json.hpp"
@@ -121,6 +122,14 @@ host::Series series_of(const std::vector<host::ShotGroup>& groups) {
   return series;
 }
 
+/// Lines for a person, of all that is shown together.
+std::vector<std::string> drift_of(const std::vector<host::ShotGroup>& groups) {
+  std::vector<host::Shot> shots;
+  for (const host::ShotGroup& group : groups)
+    shots.insert(shots.end(), group.shots.begin(), group.shots.end());
+  return host::render_drift(host::charts_of(shots));
+}
+
 /// Of rows, those of the groups' shots.
 void keep_rows_of(const std::vector<host::ShotGroup>& groups, std::vector<ShotRow>& rows) {
   std::set<ShotKey> keys;
@@ -141,8 +150,10 @@ Response show_series(Archive& archive, const Request& request) {
   const std::vector<std::string> differ = differences(*groups);
   ordered_json page{
       {"summary", nullptr}, {"points", ordered_json::array()}, {"limits", nullptr}, {"thesis", nullptr}};
-  if (!is_mixture(*groups))
+  if (!is_mixture(*groups)) {
     page = series_page_json(series_of(*groups).summary(id), condition_of(*rows), *rows);
+    page["drift"] = drift_of(*groups);
+  }
   page["conditions"] = conditions_json(*groups, differ);
   page["differ"] = differ;
   return json_response(page);

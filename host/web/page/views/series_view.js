@@ -59,6 +59,7 @@ class SeriesView {
     refill(
       this.summary,
       summaryTable(this.quantities, series),
+      list("flags", series.drift ?? []),
       list("flags", outlierWords(this.live.quantities, series.summary)),
       session &&
         links([
