@@ -26,7 +26,7 @@ struct DelayCalibration {
   std::optional<CalibratedDelay> lamp_a_us;
   std::optional<CalibratedDelay> lamp_b_us;
   double stated_a_us = 0.0, stated_b_us = 0.0;  ///< as the rig file says
-  std::optional<double> opening_lag_ms;  ///< by the shutter's contact
+  std::optional<double> opening_lag_ms;         ///< by the shutter's contact
   std::optional<double> closing_lag_ms;
 };
 
