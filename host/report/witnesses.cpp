@@ -70,7 +70,7 @@ Chart control_charts(const host::WitnessCharts& charts, const ConditionGroup& gr
       .title = "Witnesses: " + group.label,
       .caption = fmt::format(
           "single shots with their limits, and beside them the CUSUM of what is off in sds (allowance "
-          "{:g}); all charts together alarm once in {:.0f} sound shots or less often",
+          "{:g}); all charts together alarm once in {:.0f} sound shots or more",
           host::kCusumAllowance, host::kShotsPerFalseAlarm),
       .columns = 4};
   const double to = static_cast<double>(charts.shots().size()) + 0.5;
