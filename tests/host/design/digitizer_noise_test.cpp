@@ -105,8 +105,8 @@ TEST(DigitizerNoise, OfAFaintLineIsLargerForTheEquatorAlone) {
 }
 
 TEST(DigitizerNoise, SaturatedOverlapsTellNothing) {
-  const Overlap overlap{{0.4, 0.6}};
-  // Two images' limbs have a light of .63 at an exposure of 1, and saturate at 2.
+  const Overlap overlap{{0.4, 0.0, 0.6}};
+  // The limbs of three images have a light of .81 at an exposure of 1, and of 1.62 at 2.
   CHECK(readable_share(overlap, 1.0) > 0.4);
   DOUBLES_EQUAL(0.4, readable_share(overlap, 2.0), kRounding);
   DOUBLES_EQUAL(1.0, readable_share(Overlap{}, 2.0), kRounding);
