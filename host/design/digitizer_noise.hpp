@@ -46,7 +46,7 @@ struct PictureConditions {
   double read_noise_e = 8.0;
   double line_contrast = 0.75;  ///< of the equator line: darkness over the felt's
   double line_width = 0.042;    ///< over the diameter
-  Overlap overlap;              ///< by all other images, those in contact included
+  Overlap overlap{};            ///< by all other images, those in contact included
 };
 
 /// The share of an outline that tells where it is: all that is free, and of what lies within other images'

@@ -95,38 +95,50 @@ Result<Take> take_of(const NoiseCondition& c, std::uint64_t seed, int number) {
   return take;
 }
 
-/// Way of the ball during a flash, and whereto, by the next or the last image of its leg.
-void set_motion(const KnownPhotograph& known, std::size_t i, double flash_s, NoiseSample& sample) {
+/// Whereto the ball flies, by the images of its leg around this one; sets its way during a flash.
+double heading_of(const KnownPhotograph& known, std::size_t i, double flash_s, NoiseSample& sample) {
   const auto next_to = [&](std::size_t k) { return known.truth[k].leg == known.truth[i].leg; };
   std::size_t a = i, b = i;
   if (i + 1 < known.truth.size() && next_to(i + 1)) b = i + 1;
   if (i > 0 && next_to(i - 1)) a = i - 1;
-  if (a == b) return;
+  if (a == b) return 0.0;
   const double dx = known.truth[b].centre_px.x - known.truth[a].centre_px.x;
   const double dy = known.truth[b].centre_px.y - known.truth[a].centre_px.y;
-  sample.heading_rad = std::atan2(dy, dx);
-  sample.motion_px = std::hypot(dx, dy) / (known.times_s[b] - known.times_s[a]) * flash_s;
+  sample.picture.motion_px = std::hypot(dx, dy) / (known.times_s[b] - known.times_s[a]) * flash_s;
+  return std::atan2(dy, dx);
 }
 
-void set_errors(const TrueImage& truth, const reduction::BallImage& image, NoiseSample& sample) {
+void set_errors(const TrueImage& truth, const reduction::BallImage& image, double heading_rad,
+                NoiseSample& sample) {
   sample.found = true;
   const double dx = image.centre_px.x - truth.centre_px.x, dy = image.centre_px.y - truth.centre_px.y;
-  const double c = std::cos(sample.heading_rad), s = std::sin(sample.heading_rad);
+  const double c = std::cos(heading_rad), s = std::sin(heading_rad);
   sample.along_px = c * dx + s * dy;
   sample.across_px = c * dy - s * dx;
   if (const auto& cov = image.centre_cov_px2) sample.centre_sd_px = std::sqrt(0.5 * ((*cov)[0] + (*cov)[3]));
   sample.diameter_px = image.diameter_px - truth.diameter_px;
   sample.diameter_sd_px = image.diameter_sd_px.value_or(0.0);
+  sample.lowest_px = dy - 0.5 * sample.diameter_px;
   if (!image.equator_rad || !truth.equator_rad) return;
   sample.equator_rad = wrap_half_turn(*image.equator_rad - *truth.equator_rad);
-  sample.equator_sd_rad = image.equator_sd_rad;
+  sample.equator_sd_rad = image.equator_sd_rad.value_or(0.0);
+}
+
+host::PictureConditions picture_of(const NoiseCondition& c, double line_width) {
+  return {.ball_diameter_px = c.diameter_px,
+          .blur_px = c.blur_px,
+          .exposure = c.exposure,
+          .full_well_e = c.full_well_e,
+          .read_noise_e = c.read_noise_e,
+          .line_contrast = c.line_contrast,
+          .line_width = line_width};
 }
 
 void set_images(const KnownPhotograph& known, const reduction::Frame& frame, double flash_s,
-                NoisePhotograph& photograph) {
+                const host::PictureConditions& picture, NoisePhotograph& photograph) {
   std::vector<reduction::PointPx> centres_px;
   for (const TrueImage& truth : known.truth) centres_px.push_back(truth.centre_px);
-  const auto overlaps = host::overlaps(centres_px, photograph.condition.diameter_px);
+  const auto overlaps = host::overlaps(centres_px, picture.ball_diameter_px);
   std::vector<const reduction::BallImage*> found(known.truth.size(), nullptr);
   const auto pairs = digitize::pairs_of(known.truth, frame.images);
   for (const digitize::Pair& pair : pairs) found[pair.truth] = &frame.images[pair.image];
@@ -134,11 +146,10 @@ void set_images(const KnownPhotograph& known, const reduction::Frame& frame, dou
   for (std::size_t i = 0; i < known.truth.size(); ++i) {
     const TrueImage& truth = known.truth[i];
     if (!truth.whole || truth.leg == reduction::Leg::contact) continue;
-    NoiseSample sample;
-    sample.overlap = overlaps[i];
-    sample.rebound = truth.leg == reduction::Leg::rebound;
-    set_motion(known, i, flash_s, sample);
-    if (found[i] != nullptr) set_errors(truth, *found[i], sample);
+    NoiseSample sample{.picture = picture, .rebound = truth.leg == reduction::Leg::rebound};
+    sample.picture.overlap = overlaps[i];
+    const double heading_rad = heading_of(known, i, flash_s, sample);
+    if (found[i] != nullptr) set_errors(truth, *found[i], heading_rad, sample);
     photograph.images.push_back(sample);
   }
 }
@@ -147,8 +158,9 @@ void set_surface(const KnownPhotograph& known, const reduction::Frame& frame, No
   const auto& line = known.surface_px;
   if (line.size() < 2 || frame.surface_px.empty()) return;
   const double slope = (line[1].y - line[0].y) / (line[1].x - line[0].x);
-  for (const reduction::PointPx& p : frame.surface_px)
-    photograph.surface_px.push_back((p.y - line[0].y - slope * (p.x - line[0].x)) / std::hypot(1.0, slope));
+  double sum_px = 0.0;
+  for (const reduction::PointPx& p : frame.surface_px) sum_px += p.y - line[0].y - slope * (p.x - line[0].x);
+  photograph.surface_px = sum_px / static_cast<double>(frame.surface_px.size());
   photograph.surface_sd_px = frame.surface_sd_px.value_or(0.0);
 }
 
@@ -163,15 +175,10 @@ Result<NoisePhotograph> noise_photograph(std::uint64_t seed, int number, int eac
   const auto known = digitize::known_photograph(*take);
   if (!known) return tl::unexpected(known.error());
   const sim::Appearance look = sim::draw_appearance(take->scene, seed, number);
-  photograph.line_width_px = look.ball.line_width_m * take->scene.camera.px_per_m;
-  photograph.wall = look.background.wall;
-  photograph.plate = look.background.plate_brightness;
-  photograph.grain = look.ball.grain;
-  photograph.hair_px = look.ball.hair_px;
-  photograph.fuzz_px = look.ball.fuzz_px;
   const auto result = strobe::digitize::digitize(known->photograph, known->settings);
   if (!result) return tl::unexpected(result.error());
-  set_images(*known, result->frame, take->scene.lamps.flash_s, photograph);
+  set_images(*known, result->frame, take->scene.lamps.flash_s,
+             picture_of(photograph.condition, look.ball.line_width_m / kBall_m), photograph);
   set_surface(*known, result->frame, photograph);
   return photograph;
 }

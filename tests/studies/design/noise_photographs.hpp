@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/result.hpp"
-#include "host/design/overlap.hpp"
+#include "host/design/digitizer_noise.hpp"
 #include "sim/scene/scene.hpp"
 #include "tests/studies/digitize/photographs.hpp"
 
@@ -33,28 +33,26 @@ struct NoiseCondition {
 
 NoiseCondition draw_condition(std::uint64_t seed, int number);
 
+/// A whole image in the air, and by how much it was measured wrong.
 struct NoiseSample {
-  double motion_px = 0.0;  ///< of this image
-  double heading_rad = 0.0;
-  host::Overlap overlap;
+  host::PictureConditions picture;
   bool rebound = false;
   bool found = false;
-  double along_px = 0.0, across_px = 0.0;  ///< errors of the centre
-  double centre_sd_px = 0.0;
-  double diameter_px = 0.0, diameter_sd_px = 0.0;     ///< error and stated sd
-  std::optional<double> equator_rad, equator_sd_rad;  ///< likewise
+  double along_px = 0.0, across_px = 0.0;  ///< of the centre, to the ball's path
+  double lowest_px = 0.0;                  ///< of its lowest point's height
+  double centre_sd_px = 0.0;               ///< as stated, each coordinate
+  double diameter_px = 0.0, diameter_sd_px = 0.0;
+  std::optional<double> equator_rad{};
+  double equator_sd_rad = 0.0;
 };
 
 struct NoisePhotograph {
   int number = 0;
   NoiseCondition condition;
-  double line_width_px = 0.0;
-  double wall = 0.0, plate = 0.0, grain = 0.0, hair_px = 0.0, fuzz_px = 0.0;
-  std::vector<NoiseSample> images;  ///< the whole ones in the air
+  std::vector<NoiseSample> images;
   int invented = 0;
-  std::vector<double>
-      surface_px;  ///< errors of the points of the surface's line, across it; empty: not found
-  double surface_sd_px = 0.0;
+  std::optional<double> surface_px;  ///< of its line's height in the middle; absent: not found
+  double surface_sd_px = 0.0;        ///< as stated, of a point
 };
 
 /// The `number`-th photograph (1-based) of that seed, `each` of the same condition.
