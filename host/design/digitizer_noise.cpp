@@ -7,11 +7,13 @@ namespace strobe::host {
 
 namespace {
 
-// Fitted to what `strobe-bench digitizer-noise --photographs 316 --seed 20261127 --csv FILE` measured on
-// 2026-11-27: 316 photographs with 2,900 airborne images that were measured. By leg, or by photograph for
-// diameters: the variance that an image's own error has in the mean that the stated variances weigh. Powers:
-// likeliest for Student's t of 4 degrees of freedom; scales: rms, where a square counts for no more than ten
-// times what is predicted (one or two of a hundred legs are worse).
+// Fitted to what these measured on 2026-11-27:
+//   strobe-bench digitizer-noise --photographs 316 --seed 20261127 --csv FILE
+//   strobe-bench digitizer-noise --photographs 72 --each 8 --seed 2 --csv FILE
+// with 3,548 airborne images that were measured. By leg, or by photograph for diameters: the variance that an
+// image's own error has in the mean that the stated variances weigh. Powers: likeliest for Student's t of 4
+// degrees of freedom; scales: rms, where a square counts for no more than ten times what is predicted (one or
+// two of a hundred legs are worse). Odds: likeliest.
 
 // Light, over what saturates: of the lightest felt in one image at an exposure of 1; and of felt near the
 // limb, over the lightest. Edges fade over kFade before they saturate.
@@ -23,10 +25,14 @@ constexpr double kCovered = 0.3;
 /// More of an outline than this makes measurements no better.
 constexpr double kEnough = 0.7;
 
-/// Half width of an edge without blur: pixels and fuzz. [px]
-constexpr double kSharpEdge_px = 0.3;
 constexpr double kUsualDiameter_px = 130.0;
 constexpr double kUsualLineWidth = 0.04;
+/// Steps between images over the diameter that are wide enough for all to be found.
+constexpr double kWideStep = 0.7;
+
+/// Half width of an edge without blur: of pixels, and of a usual ball's limb and of its line, which grow with
+/// the ball.
+constexpr double kSharpEdge_px = 0.6, kLimb_px = 0.3, kLine_px = 1.2;
 
 /// A standard deviation: scale · edge^edge_power · (diameter/usual)^diameter_power ·
 /// (readable/enough)^readable_power.
@@ -36,37 +42,57 @@ struct PowerLaw {
 
 /// Logarithms of odds, linear in logarithms of the same.
 struct Odds {
-  double usual, edge, diameter, readable, line_contrast;
+  double usual, edge, diameter, readable, step, line_contrast;
 };
 
-constexpr PowerLaw kAlong{0.0606, 0.95, -0.48, -1.48};
-constexpr PowerLaw kAcross{0.0476, 1.07, -0.40, -0.97};
-constexpr PowerLaw kDiameter{0.0940, 0.97, -0.50, -1.23};
-constexpr PowerLaw kEquator{5.93e-4, 0.56, -0.92, -3.84};
+constexpr PowerLaw kAlong{0.0468, 1.23, -0.60, -1.36};
+constexpr PowerLaw kAcross{0.0359, 1.43, -0.60, -0.76};
+constexpr PowerLaw kDiameter{0.0694, 1.34, -0.65, -1.10};
+constexpr PowerLaw kEquator{2.27e-4, 1.57, -1.73, -3.82};
 // Of the lines that were taken from one edge, without the 3 % that were off by more than five stated sds.
-constexpr PowerLaw kSurface{0.30, 0.95, 0.0, 0.0};
-constexpr double kEquatorLineContrastPower = -0.79, kEquatorLineWidthPower = 0.58,
-                 kEquatorExposurePower = -0.19;
+constexpr PowerLaw kSurface{0.25, 1.2, 0.0, 0.0};
+constexpr double kEquatorLineContrastPower = -0.63, kEquatorLineWidthPower = 0.56,
+                 kEquatorExposurePower = -0.24;
 
 // What is common, and what is stated, over what is each image's own.
-constexpr double kCentreCommon = 0.76, kDiameterCommon = 0.97, kEquatorCommon = 0.81;
-constexpr double kCentreStated = 1.36, kDiameterStated = 1.34, kEquatorStated = 1.13;
+constexpr double kCentreCommon = 0.74, kDiameterCommon = 0.97, kEquatorCommon = 0.75;
+constexpr double kCentreStated = 1.35, kDiameterStated = 1.32, kEquatorStated = 1.12;
 
-constexpr Odds kFound{4.91, -1.38, 0.81, 4.61, 0.0};
-constexpr Odds kEquatorFound{4.78, -1.05, 1.88, 7.87, 1.76};
+constexpr Odds kFound{6.00, -1.33, 0.32, 1.53, 4.93, 0.0};
+constexpr Odds kEquatorFound{4.56, -0.87, 1.94, 7.53, 0.0, 1.45};
 
 struct Logarithms {
-  double edge, diameter, readable, line_contrast, line_width;
+  double edge, diameter, readable, step, line_contrast, line_width;
 };
+
+double log_edge(const PictureConditions& c, double soft_px) {
+  return std::log(std::hypot(c.blur_px, kSharpEdge_px, soft_px * c.ball_diameter_px / kUsualDiameter_px));
+}
+
+Logarithms logarithms_of(const PictureConditions& c, double readable) {
+  return {.edge = log_edge(c, kLimb_px),
+          .diameter = std::log(c.ball_diameter_px / kUsualDiameter_px),
+          .readable = std::log(readable / kEnough),
+          .step = std::log(std::min(1.0, c.step / kWideStep)),
+          .line_contrast = std::log(c.line_contrast),
+          .line_width = std::log(c.line_width / kUsualLineWidth)};
+}
 
 double sd_of(const PowerLaw& law, const Logarithms& of) {
   return law.scale * std::exp(law.edge_power * of.edge + law.diameter_power * of.diameter +
                               law.readable_power * std::min(0.0, of.readable));
 }
 
+double equator_sd_rad(const PictureConditions& c, Logarithms of) {
+  of.edge = log_edge(c, kLine_px);
+  return sd_of(kEquator, of) * std::pow(c.exposure, kEquatorExposurePower) *
+         std::exp(kEquatorLineContrastPower * of.line_contrast + kEquatorLineWidthPower * of.line_width);
+}
+
 double probability_of(const Odds& odds, const Logarithms& of) {
   return 1.0 / (1.0 + std::exp(-(odds.usual + odds.edge * of.edge + odds.diameter * of.diameter +
-                                 odds.readable * of.readable + odds.line_contrast * of.line_contrast)));
+                                 odds.readable * of.readable + odds.step * of.step +
+                                 odds.line_contrast * of.line_contrast)));
 }
 
 bool is_known(const PictureConditions& c, double readable) {
@@ -74,7 +100,7 @@ bool is_known(const PictureConditions& c, double readable) {
          kMotion_px.contains(c.motion_px) && kExposure.contains(c.exposure) &&
          kFullWell_e.contains(c.full_well_e) && kReadNoise_e.contains(c.read_noise_e) &&
          kLineContrast.contains(c.line_contrast) && kLineWidth.contains(c.line_width) &&
-         kReadableShare.contains(readable);
+         kReadableShare.contains(readable) && c.step >= kLeastStep;
 }
 
 }  // namespace
@@ -95,9 +121,7 @@ double readable_share(const Overlap& overlap, double exposure) {
 std::optional<DigitizerSds> digitizer_sds(const PictureConditions& c) {
   const double readable = readable_share(c.overlap, c.exposure);
   if (!is_known(c, readable)) return std::nullopt;
-  const Logarithms of{std::log(std::hypot(c.blur_px, kSharpEdge_px)),
-                      std::log(c.ball_diameter_px / kUsualDiameter_px), std::log(readable / kEnough),
-                      std::log(c.line_contrast), std::log(c.line_width / kUsualLineWidth)};
+  const Logarithms of = logarithms_of(c, readable);
   DigitizerSds sds;
   sds.centre_along_px = sd_of(kAlong, of);
   sds.centre_across_px = sd_of(kAcross, of);
@@ -106,9 +130,7 @@ std::optional<DigitizerSds> digitizer_sds(const PictureConditions& c) {
   sds.diameter_px = sd_of(kDiameter, of);
   sds.diameter_common_px = kDiameterCommon * sds.diameter_px;
   sds.diameter_stated_px = kDiameterStated * sds.diameter_px;
-  sds.equator_rad =
-      sd_of(kEquator, of) * std::pow(c.exposure, kEquatorExposurePower) *
-      std::exp(kEquatorLineContrastPower * of.line_contrast + kEquatorLineWidthPower * of.line_width);
+  sds.equator_rad = equator_sd_rad(c, of);
   sds.equator_common_rad = kEquatorCommon * sds.equator_rad;
   sds.equator_stated_rad = kEquatorStated * sds.equator_rad;
   sds.surface_px = sd_of(kSurface, of);

@@ -8,10 +8,11 @@
 // Grain and hair of the felt decide, not the sensor: motion and noise within the ranges made no difference
 // that could be told from none.
 //
-// What the digitizer needs: a ball of 40 px or more, and enough readable outline (readable_share): at .4 nine
-// of ten images are measured, at .3 two of three, at .2 one of three. An even row of images has .4 with steps
-// of a quarter of the diameter at an exposure of .5 or less, of a third at 1 and, where two images
-// saturate, of .6 at 2.
+// What the digitizer needs: a ball of 40 px or more, and steps from image to image before the impact of .35
+// of the diameter, where nine of ten images are measured; of .3 it is three of four, of .25 half, and
+// photographs are lost as a whole. Where overlaps saturate (three images at an exposure of 1.2, two at 1.8)
+// the outline that is free must do, and steps of .5 are needed. Blur of a twentieth of the diameter costs
+// images, too.
 #pragma once
 
 #include <optional>
@@ -35,6 +36,7 @@ inline constexpr ConditionRange kReadNoise_e{3.0, 30.0};
 inline constexpr ConditionRange kLineContrast{0.2, 1.0};
 inline constexpr ConditionRange kLineWidth{0.0227, 0.0607};  ///< over the diameter
 inline constexpr ConditionRange kReadableShare{0.2, 1.0};    ///< of the outline
+inline constexpr double kLeastStep = 0.25;
 
 /// One image of the ball.
 struct PictureConditions {
@@ -46,6 +48,7 @@ struct PictureConditions {
   double read_noise_e = 8.0;
   double line_contrast = 0.75;  ///< of the equator line: darkness over the felt's
   double line_width = 0.042;    ///< over the diameter
+  double step = 1.0;            ///< from image to image before the impact, over the diameter; for `found`
   Overlap overlap{};            ///< by all other images, those in contact included
 };
 

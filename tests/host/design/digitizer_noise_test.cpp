@@ -77,7 +77,7 @@ TEST(DigitizerNoise, OfLargerBallsIsASmallerShareOfThem) {
     CHECK(sds.diameter_px / diameter_px < last.diameter_px / last_px);
     CHECK(sds.surface_px / diameter_px < last.surface_px / last_px);
     CHECK(sds.equator_rad < last.equator_rad);
-    CHECK(sds.found > last.found && sds.equator_found > last.equator_found);
+    CHECK(sds.found > 0.95 && sds.equator_found > last.equator_found);
     last = sds;
     last_px = diameter_px;
   }
@@ -93,6 +93,16 @@ TEST(DigitizerNoise, GrowsWithBlurAndOverlap) {
     CHECK(bad.diameter_px > good.diameter_px);
     CHECK(bad.equator_rad > good.equator_rad);
     CHECK(bad.found < good.found && bad.equator_found < good.equator_found);
+  }
+}
+
+TEST(DigitizerNoise, FindsFewerImagesInShorterSteps) {
+  double last = 1.0;
+  for (const double step : {0.7, 0.5, 0.35, kLeastStep}) {
+    PictureConditions conditions = usual(130.0);
+    conditions.step = step;
+    CHECK(sds_of(conditions).found < last);
+    last = sds_of(conditions).found;
   }
 }
 
@@ -129,6 +139,7 @@ TEST(DigitizerNoise, IsNotKnownOutsideOfWhatWasMeasured) {
   CHECK(not_known(&PictureConditions::read_noise_e, 40.0));
   CHECK(not_known(&PictureConditions::line_contrast, 0.1));
   CHECK(not_known(&PictureConditions::line_width, 0.1));
+  CHECK(not_known(&PictureConditions::step, 0.2));
   CHECK(not_known(&PictureConditions::exposure, std::nan("")));
   PictureConditions hidden = usual(130.0);
   hidden.overlap.shares = {0.1, 0.0, 0.0, 0.0, 0.9};

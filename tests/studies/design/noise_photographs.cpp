@@ -131,7 +131,8 @@ host::PictureConditions picture_of(const NoiseCondition& c, double line_width) {
           .full_well_e = c.full_well_e,
           .read_noise_e = c.read_noise_e,
           .line_contrast = c.line_contrast,
-          .line_width = line_width};
+          .line_width = line_width,
+          .step = c.step};
 }
 
 void set_images(const KnownPhotograph& known, const reduction::Frame& frame, double flash_s,
