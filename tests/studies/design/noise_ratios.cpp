@@ -23,7 +23,7 @@ std::optional<NoiseGroup> group_of(NoiseKind kind, const std::vector<Measured>& 
   NoiseGroup group{.kind = kind, .images = static_cast<int>(all.size())};
   if (group.images < kLeastImages) return std::nullopt;
   const double n = group.images;
-  double sum = 0.0, mean = 0.0, weights2 = 0.0;
+  double sum = 0.0, mean = 0.0, weights2 = 0.0, information = 0.0;
   for (const Measured& m : all) sum += 1.0 / (m.stated_sd * m.stated_sd);
   const auto weight = [&](const Measured& m) { return 1.0 / (m.stated_sd * m.stated_sd * sum); };
   for (const Measured& m : all) mean += weight(m) * m.error;
@@ -31,13 +31,14 @@ std::optional<NoiseGroup> group_of(NoiseKind kind, const std::vector<Measured>& 
     const double most = kMostStatedSds * m.stated_sd, w2 = weight(m) * weight(m);
     const double own = std::clamp(m.error - mean, -most, most);
     group.measured += n * w2 * own * own;
-    group.predicted += n * w2 * m.predicted_sd * m.predicted_sd;
+    information += 1.0 / (m.predicted_sd * m.predicted_sd);
     weights2 += w2;
   }
   // One image that outweighs all others tells nothing.
   if (weights2 >= 0.9) return std::nullopt;
   group.measured /= 1.0 - weights2;
   group.stated = n / sum;
+  group.predicted = n / information;
   group.common = mean * mean - group.measured / n;
   return group;
 }
