@@ -47,6 +47,7 @@ AirSettings read_air(TomlTable table) {
   a.density_kgpm3 = table.optional_number("density_kgpm3", Range{0.0, 10.0}).value_or(-1.0);
   a.drag_coefficient = table.number_or("drag_coefficient", a.drag_coefficient, {0.0, 2.0});
   a.lift = table.choice_or("lift_law", "spin_ratio", {"spin_ratio", "none"}) == "spin_ratio";
+  a.lift_factor = table.number_or("lift_factor", a.lift_factor, {0.0, 3.0});
   const double thinner = a.density_kgpm3 < 0.0 ? 1.0 : a.density_kgpm3 / kUsualDensity_kgpm3;
   a.spin_decay_per_m = table.number_or("spin_decay_per_m", a.spin_decay_per_m * thinner, {0.0, 1.0});
   return a;

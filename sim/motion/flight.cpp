@@ -104,7 +104,7 @@ Flight::Flight(const Scene& scene, const FlightState& start, double omega_radps,
   const double area = std::numbers::pi * law_.radius_m * law_.radius_m;
   const double q = density_kgpm3(scene.air) * area / (2.0 * scene.ball.mass_kg);
   law_.drag_pm = model.has(Effect::drag) ? q * scene.air.drag_coefficient : 0.0;
-  law_.lift_pm = model.has(Effect::magnus) && scene.air.lift ? q : 0.0;
+  law_.lift_pm = model.has(Effect::magnus) && scene.air.lift ? scene.air.lift_factor * q : 0.0;
   parabola_ = law_.drag_pm == 0.0 && law_.lift_pm == 0.0 && law_.decay_pm == 0.0;
   if (!model.has(Effect::gravity)) return;
   law_.gravity_x_mps2 = -flight::kStandardGravity_mps2 * std::sin(scene.surface_angle_rad);

@@ -117,6 +117,7 @@ struct AirSettings {
   double density_kgpm3 = -1.0;     ///< < 0 (key absent): dry air of that temperature at 101.325 kPa
   double drag_coefficient = 0.55;  ///< of the area pi·R²; 0: no drag
   bool lift = true;                ///< key lift_law = "spin_ratio" (sim/motion/flight.hpp) | "none"
+  double lift_factor = 1.0;        ///< 0…3, of the lift over that law's: balls differ
   /// domega/dt = -spin_decay_per_m·|v|·omega; .05 % in 3 ms at 17 m/s. Key absent: in proportion to
   /// density_kgpm3, and .01 where that is absent too.
   double spin_decay_per_m = 0.01;

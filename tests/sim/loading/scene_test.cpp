@@ -75,6 +75,7 @@ TEST(SceneFile, RefusesAirThatCannotBe) {
           kMin + "[air]\ndrag_coefficient = -0.1\n");
   refuses("some.toml:13: air.density_kgpm3: must be at least 0", kMin + "[air]\ndensity_kgpm3 = -1\n");
   refuses("some.toml:13: air.lift_law: must be one of", kMin + "[air]\nlift_law = \"magnus\"\n");
+  refuses("some.toml:13: air.lift_factor: must be", kMin + "[air]\nlift_factor = 4\n");
 }
 
 TEST(SceneFile, RefusesWhatIsNoToml) { refuses("scenes/some.toml:1", "[machine\n"); }
