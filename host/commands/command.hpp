@@ -36,6 +36,7 @@ void add_bounces_command(CLI::App& app, int& exit_status);
 void add_report_command(CLI::App& app, int& exit_status);
 void add_calibrate_command(CLI::App& app, int& exit_status);
 void add_commission_command(CLI::App& app, int& exit_status);
+void add_design_command(CLI::App& app, int& exit_status);
 void add_batch_command(CLI::App& app, int& exit_status);
 void add_export_command(CLI::App& app, int& exit_status);
 void add_key_command(CLI::App& app, int& exit_status);

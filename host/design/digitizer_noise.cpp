@@ -20,9 +20,7 @@ namespace {
 // conditions' ratios scattered by .22, .33, .21 and .43 (rms of their logarithm), of which .19, .22, .18 and
 // .23 is how eight photographs' looks differ. Surfaces' scale is known to a factor of two only.
 
-// Light, over what saturates: of the lightest felt in one image at an exposure of 1; and of felt near the
-// limb, over the lightest. Edges fade over kFade before they saturate.
-constexpr double kLightestFelt = 0.45;
+// Light of felt near the limb, over the lightest. Edges fade over kFade before they saturate.
 constexpr double kLimb = 0.6;
 constexpr double kFade = 0.2;
 /// What an edge within other discs tells, over a free one.

@@ -38,6 +38,9 @@ inline constexpr ConditionRange kLineWidth{0.0227, 0.0607};  ///< over the diame
 inline constexpr ConditionRange kReadableShare{0.2, 1.0};    ///< of the outline
 inline constexpr double kLeastStep = 0.25;
 
+/// Light of the lightest felt in one image at an exposure of 1, over what saturates.
+inline constexpr double kLightestFelt = 0.45;
+
 /// One image of the ball.
 struct PictureConditions {
   double ball_diameter_px = 0.0;

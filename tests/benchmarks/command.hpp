@@ -21,6 +21,7 @@ namespace strobe::studies {
 
 void add_board_plan_command(CLI::App& app, int& exit_status);
 void add_contact_command(CLI::App& app, int& exit_status);
+void add_design_command(CLI::App& app, int& exit_status);
 void add_digitize_command(CLI::App& app, int& exit_status);
 void add_digitizer_noise_command(CLI::App& app, int& exit_status);
 void add_digits_command(CLI::App& app, int& exit_status);
