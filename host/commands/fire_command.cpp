@@ -20,6 +20,7 @@
 #include "host/commands/command.hpp"
 #include "host/commands/fire_run.hpp"
 #include "host/config/notes.hpp"
+#include "host/design/promise.hpp"
 #include "host/messages/command_factory.hpp"
 #include "host/series/select.hpp"
 #include "host/session/former_runs.hpp"
@@ -201,6 +202,16 @@ Result<void> set_wanted(const FireOptions& options, FireRequest& request) {
   return {};
 }
 
+/// The session keeps what was promised of it.
+Result<void> keep_design(const std::string& path, const std::string& session) {
+  if (path.empty()) return {};
+  const auto text = read_option_file("--design", path);
+  if (!text) return tl::unexpected(text.error());
+  if (const auto promise = parse_promise(*text, path); !promise)
+    return fail("--design: " + promise.error().message);
+  return config::write_file(fs::path(session) / kDesignFile, *text);
+}
+
 Result<FireRequest> request_of(const FireOptions& options) {
   auto rig = load_rig(options.paths.rig_path);
   if (!rig) return tl::unexpected(rig.error());
@@ -227,6 +238,7 @@ Result<FireRequest> request_of(const FireOptions& options) {
   auto lock = RunLock::of_session(session, operator_name(), MachineClock().read().wall);
   if (!lock) return tl::unexpected(lock.error());
   request.lock.emplace(std::move(*lock));
+  if (auto kept = keep_design(options.design_path, session); !kept) return tl::unexpected(kept.error());
   if (auto set = set_wanted(options, request); !set) return tl::unexpected(set.error());
   if (auto set = set_shots(options, request); !set) return tl::unexpected(set.error());
   request.run = record_of(options, request);
@@ -283,6 +295,8 @@ void add_fire_command(CLI::App& app, int& exit_status) {
   command->add_option("--session", options->session,
                       "session folder (default: session-<UTC> in the current one)");
   command->add_option("--plan", options->plan_path, "shot plan, TOML (default: the rig file's [plan])");
+  command->add_option("--design", options->design_path,
+                      "what `strobe design --json` printed: series and report show what became of it");
   command
       ->add_option(
           "--spacing", options->spacing,
@@ -309,8 +323,8 @@ void add_fire_command(CLI::App& app, int& exit_status) {
   for (const char* const asked :
        {"--shots", "--until", "--until-known", "--spin", "--angle", "--note", "--plan", "--spacing", "--dry"})
     resume->excludes(command->get_option(asked));
-  command_line::for_experts(*command, {"--spacing", "--effort", "--lcm-url", "--key-file", "--wait",
-                                       "--clear-fault", "--all", "--sessions"});
+  command_line::for_experts(*command, {"--design", "--spacing", "--effort", "--lcm-url", "--key-file",
+                                       "--wait", "--clear-fault", "--all", "--sessions"});
   command->footer(
       "Ctrl-C finishes the shot under way and ends; a second one aborts it. Ctrl-\\ aborts it at once.\n"
       "Example: strobe fire --rig rig.toml --session run1 --shots 9 --spin zero --angle 23 --note "

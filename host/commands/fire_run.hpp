@@ -24,7 +24,7 @@ namespace strobe::host {
 
 struct FireOptions {
   RigOptions paths;
-  std::string session, plan_path, spacing, spin;
+  std::string session, plan_path, design_path, spacing, spin;
   std::vector<std::string> notes, until_known;
   std::optional<double> angle_deg;
   std::optional<int> shots, until, retries;

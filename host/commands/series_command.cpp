@@ -21,6 +21,7 @@
 #include "host/commands/shared_options.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/config/notes.hpp"
+#include "host/design/promise.hpp"
 #include "host/series/compare.hpp"
 #include "host/series/select.hpp"
 #include "host/series/wanted.hpp"
@@ -38,7 +39,7 @@ using reduction::Quantity;
 struct SeriesOptions {
   std::vector<std::string> sessions, by, over, where, without, compare;
   SessionOptions session;
-  std::string budget;
+  std::string budget, design;
   std::vector<std::string> differences;
   double power = kPower;
   int draws = 0;
@@ -117,8 +118,13 @@ ordered_json shots_json(const ShotGroup& group) {
 class SeriesPrinter {
  public:
   SeriesPrinter(const std::vector<NamedSession>& sessions, const SelectedShots& selected,
-                const SeriesOptions& settings, const reduction::Quantities& differences)
-      : sessions_(sessions), selected_(selected), settings_(settings), differences_(differences) {}
+                const SeriesOptions& settings, const reduction::Quantities& differences,
+                const std::optional<Promise>& promise)
+      : sessions_(sessions),
+        selected_(selected),
+        settings_(settings),
+        differences_(differences),
+        promise_(promise) {}
 
   Result<void> run() {
     if (!settings_.json) head();
@@ -149,11 +155,13 @@ class SeriesPrinter {
       object["shots"] = shots_json(group);
       object["left_out"] = selected_.left_out;
       object["witnesses"] = drift_json(charts_of(group.shots));
+      if (promise_) object["promise"] = kept_json(kept(*promise_, summary, group.shots));
       if (settings_.draws > 0) object["monte_carlo"] = drawn_json(group);
       return print_json(object);
     }
     print(render_summary(summary, condition, kPlainWidth, settings_.all));
     print(shot_lines(group));
+    if (promise_) print(render_kept(kept(*promise_, summary, group.shots), kPlainWidth));
     const WitnessCharts charts = charts_of(group.shots);
     print(render_drift(charts));
     if (settings_.witnesses) print(render_witnesses(charts));
@@ -220,6 +228,7 @@ class SeriesPrinter {
   const SelectedShots& selected_;
   const SeriesOptions& settings_;
   const reduction::Quantities& differences_;
+  const std::optional<Promise>& promise_;
 };
 
 /// The last folder of the path, "run1" of "data/run1/".
@@ -278,6 +287,17 @@ std::string group_name(const std::string& given, const SeriesOptions& options) {
   return given;
 }
 
+/// Of --design, or what one session was fired with.
+Result<std::optional<Promise>> promise_for(const SeriesOptions& options) {
+  if (options.design.empty())
+    return options.sessions.size() == 1 ? promise_of(options.sessions.front()) : std::optional<Promise>();
+  const auto text = read_option_file("--design", options.design);
+  if (!text) return tl::unexpected(text.error());
+  auto promise = parse_promise(*text, options.design);
+  if (!promise) return fail("--design: " + promise.error().message);
+  return std::optional(std::move(*promise));
+}
+
 int run_series(const SeriesOptions& options) {
   const auto selection = selection_of(options);
   if (!selection) return bad_input("series: " + selection.error().message);
@@ -298,9 +318,11 @@ int run_series(const SeriesOptions& options) {
                    group.name.empty() ? "all shots" : group.name.c_str(),
                    fmt::format("{}", fmt::join(group.mixed, ", ")).c_str());
   }
+  const auto promise = promise_for(options);
+  if (!promise) return bad_input("series: " + promise.error().message);
   SeriesOptions settings = options;
   for (std::string& name : settings.compare) name = group_name(name, options);
-  const auto reported = SeriesPrinter(*sessions, *selected, settings, *differences).run();
+  const auto reported = SeriesPrinter(*sessions, *selected, settings, *differences, *promise).run();
   if (!reported) return bad_input("series: " + reported.error().message);
   const auto counts = [](const ShotGroup& group) {
     return std::ranges::any_of(group.shots, [](const Shot& shot) { return !shot.rejected; });
@@ -355,6 +377,10 @@ void add_series_command(CLI::App& app, int& exit_status) {
       ->add_option("--budget", options->budget,
                    "what the uncertainty of this quantity is made of, as vx_td_mps")
       ->check(one_of_quantities);
+  command->add_option(
+      "--design", options->design,
+      "what `strobe design --json` promised, beside what became of it (default: that with which the "
+      "session was fired)");
   command
       ->add_option("--monte-carlo", options->draws,
                    "check each counted shot's intervals with so many draws; 100000 take a second or two")
@@ -366,9 +392,8 @@ void add_series_command(CLI::App& app, int& exit_status) {
       "what each shot says of scale, clock, inclination, lens and lamps, with control charts' sums");
   command->add_flag("--json", options->json,
                     "one JSON object a series, and one for --compare; nothing else on standard output");
-  command_line::for_experts(*command,
-                            {"--difference", "--power", "--monte-carlo", "--rig", "--key-file", "--all",
-                             "--witnesses"});
+  command_line::for_experts(*command, {"--design", "--difference", "--power", "--monte-carlo", "--rig",
+                                       "--key-file", "--all", "--witnesses"});
   command->footer(
       "Example: strobe series run1 run2 --by spin,angle --without run1:7\n"
       "         strobe series run1 run2 --compare run1 run2 --difference e:0.01 --power 0.9\n"

@@ -148,6 +148,8 @@ Report build_report(const ReportInput& input) {
   report.sections.push_back(figures(content));
   if (Section contact = contact_figures(content); !contact.blocks.empty())
     report.sections.push_back(std::move(contact));
+  if (Section promised = promises(content); !promised.blocks.empty())
+    report.sections.push_back(std::move(promised));
   report.sections.push_back(witnesses(content));
   report.sections.push_back(shots(content));
   report.sections.push_back(photographs(content));

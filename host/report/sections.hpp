@@ -1,5 +1,5 @@
 // The parts of a report, in their order, and the pieces that they are written with. All but commissioning(),
-// photographs() and records(), which read the session's files, are pure; thread-safe.
+// promises(), photographs() and records(), which read the session's files, are pure; thread-safe.
 #pragma once
 
 #include <optional>
@@ -28,6 +28,8 @@ Section commissioning(const Content& content);
 Section figures(const Content& content);
 /// The images in contact; a section without blocks where there are none, or no thesis to set them beside.
 Section contact_figures(const Content& content);
+/// What was foretold, and what it became; a section without blocks where nothing was.
+Section promises(const Content& content);
 /// Control charts of what each shot says of scale, clock, inclination, lens and lamps.
 Section witnesses(const Content& content);
 /// Each shot in numbers; those that do not count, with the reasons.
