@@ -166,11 +166,12 @@ Result<SetUp> set_up(const DesignOptions& o, const RigFile& rig) {
 
 /// A longer or shorter lens than the rig file's sees less or more.
 Result<void> set_scale(const DesignOptions& options, RigFile& rig, SetUp& s) {
-  const int known = (options.focal_mm ? 1 : 0) + (options.distance_m ? 1 : 0) + (options.pixel_um ? 1 : 0);
-  if (known > 0 && known < 3) return fail("--focal-mm, --distance-m and --pixel-um go together");
-  if (known == 3) {
+  if (options.distance_m.has_value() != options.pixel_um.has_value() ||
+      (options.focal_mm && !options.distance_m))
+    return fail("--distance-m and --pixel-um go together, and --focal-mm with them");
+  if (options.distance_m) {
     const auto lens = through(s, {.pixel_pitch_um = *options.pixel_um,
-                                  .focal_length_mm = *options.focal_mm,
+                                  .focal_length_mm = options.focal_mm.value_or(0.0),
                                   .f_number = options.f_number,
                                   .distance_m = *options.distance_m});
     if (!lens) return tl::unexpected(lens.error());
@@ -253,9 +254,12 @@ void add_design_options(CLI::App& command, DesignOptions& o) {
   command.add_option("--scene", o.scene, "balls as this scene file's");
   command.add_option("--px-per-m", o.px_per_m, "another lens than the rig file's, on the same sensor");
   command.add_option("--scale-sd-percent", o.scale_sd_percent, "of the scale, in place of the calibration's");
-  command.add_option("--focal-mm", o.focal_mm, "of the lens: gives the scale, with the next two")
+  command
+      .add_option("--focal-mm", o.focal_mm,
+                  "of the lens (default: the longest usual one that sees 0.72 x 0.46 m)")
       ->excludes(command.get_option("--px-per-m"));
-  command.add_option("--distance-m", o.distance_m, "lens to the balls' plane");
+  command.add_option("--distance-m", o.distance_m,
+                     "lens to the balls' plane; gives the scale, with --pixel-um");
   command.add_option("--pixel-um", o.pixel_um, "pitch of the sensor's pixels");
   command.add_option("--f-number", o.f_number, "of the lens")->capture_default_str();
   command.add_option("--by", o.by, "who measures the photographs: digitizer or hand")

@@ -20,6 +20,8 @@ using reduction::Quantity;
 
 constexpr int kMostBalls = 60;
 constexpr double kEllipseShown = 100.0;
+// Width over height of a figure's only panel in a row (host/figures/svg.cpp).
+constexpr double kPanelAspect = 3.14;
 constexpr std::array kColours{figures::colours::kZero, figures::colours::kTop, figures::colours::kBack,
                               figures::colours::kCubic, figures::colours::kConstrained};
 
@@ -39,6 +41,22 @@ Curve ring(const reduction::PointPx& centre, double a_px, double b_px, std::stri
   return s;
 }
 
+/// One scale for both axes, from the photograph's lower edge to the highest image.
+void set_view(const SetUp& s, const reduction::Frame& frame, Panel& panel) {
+  double top_px = s.surface_y_px;
+  for (const reduction::BallImage& image : frame.images)
+    top_px = std::max(top_px, image.centre_px.y + image.diameter_px);
+  const double height_px = std::max(top_px, s.width_px / kPanelAspect);
+  const double beside_px = 0.5 * (height_px * kPanelAspect - s.width_px);
+  panel.x_range = {-beside_px, s.width_px + beside_px};
+  panel.y_range = {0.0, height_px};
+  Curve edges{"photograph", "", Stroke::dotted, figures::colours::kMeasured};
+  const double seen_px = std::min(s.height_px, height_px);
+  for (const auto& [x, y] : {std::pair{0.0, seen_px}, {0.0, 0.0}, {s.width_px, 0.0}, {s.width_px, seen_px}})
+    edges.points.push_back({x, y});
+  panel.series.push_back(std::move(edges));
+}
+
 /// Where the images of the mean ball will lie.
 Result<Figure> images_figure(const DesignReport& report, const PlanFile& plan, const std::string& title) {
   const SetUp& s = report.design.set_up;
@@ -47,8 +65,7 @@ Result<Figure> images_figure(const DesignReport& report, const PlanFile& plan, c
   if (!course) return tl::unexpected(course.error());
   const ExpectedShot shot = expected_shot(*course, {}, expected_train(plan.shot(), s, ball), ball, s);
   Panel panel{.title = title, .x_label = "x, px", .y_label = "y, px"};
-  panel.x_range = {0.0, s.width_px};
-  panel.y_range = {0.0, s.height_px};
+  set_view(s, shot.frame, panel);
   for (const reduction::BallImage& image : shot.frame.images) {
     const double radius_px = 0.5 * image.diameter_px;
     const char* colour = image.leg == Leg::incoming ? figures::colours::kZero : figures::colours::kTop;
@@ -71,13 +88,12 @@ Result<Figure> images_figure(const DesignReport& report, const PlanFile& plan, c
 
 /// Half width of each mean's interval over its value at the design, by one thing that is varied.
 template <typename DesignAt>
-Result<Panel> panel_of(const DesignReport& report, const std::string& x_label,
+Result<Panel> panel_of(const DesignReport& report, bool legend, const std::string& x_label,
                        const std::vector<double>& places, const DesignAt& design_at) {
-  Panel panel{.x_label = x_label, .y_label = "± 95 % of the mean, over this design's"};
+  Panel panel{.x_label = x_label, .y_label = "± 95 %, over this design's"};
   for (std::size_t k = 0; k < report.quantities.size(); ++k)
-    panel.series.push_back({words_of(report.quantities[k]), words_of(report.quantities[k]), Stroke::solid,
-                            kColours[k % kColours.size()]});
-  panel.log_y = true;
+    panel.series.push_back({words_of(report.quantities[k]), legend ? words_of(report.quantities[k]) : "",
+                            Stroke::solid, kColours[k % kColours.size()]});
   for (const double at : places) {
     const Design design = design_at(at);
     if (plan_problem(design.plan.shot(), design.set_up.limits)) continue;
@@ -106,14 +122,14 @@ Result<Figure> uncertainty_figure(const DesignReport& report) {
       "One thing is varied, the rest is as in this design; no point where half of the balls cannot be read.";
   figure.columns = 3;
   std::vector<double> balls;
-  for (int n = 2; n <= kMostBalls; n += n < 12 ? 1 : 4) balls.push_back(n);
-  const auto by_balls = panel_of(report, "balls", balls, [&](double n) {
+  for (int n = 4; n <= kMostBalls; n += n < 12 ? 1 : 4) balls.push_back(n);
+  const auto by_balls = panel_of(report, true, "balls", balls, [&](double n) {
     Design design = report.design;
     design.shots = static_cast<int>(n);
     return design;
   });
   const double period_ms = 1e3 * to_seconds(report.design.plan.even.period);
-  const auto by_period = panel_of(report, "flash period, ms, even",
+  const auto by_period = panel_of(report, false, "flash period, ms, even",
                                   geometric(0.4 * period_ms, 3.0 * period_ms, 24), [&](double ms) {
                                     Design design = report.design;
                                     design.plan.intervals.clear();
@@ -121,7 +137,7 @@ Result<Figure> uncertainty_figure(const DesignReport& report) {
                                     return design;
                                   });
   const double scale = report.design.set_up.px_per_m;
-  const auto by_scale = panel_of(report, "scale, px/m, on this sensor",
+  const auto by_scale = panel_of(report, false, "scale, px/m, on this sensor",
                                  geometric(0.4 * scale, 2.5 * scale, 24), [&](double px_per_m) {
                                    Design design = report.design;
                                    design.set_up = with_lens(design.set_up, px_per_m / scale);

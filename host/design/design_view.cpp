@@ -86,15 +86,13 @@ void add_optics(const DesignReport& r, Lines& lines) {
   }
   if (s.measured_by == MeasuredBy::hand) return;
   const double motion = r.design.ball.speed_mps.mean * s.picture.flash_s * s.px_per_m;
+  const int most = r.prediction.most_at_one_place;
   std::string line =
-      fmt::format("light   a ball moves {:.2f} px in a flash of {:g} us; up to {} images lie on one place",
-                  motion, 1e6 * s.picture.flash_s,
-                  r.prediction.most_at_one_place > 1
-                      ? fmt::format("up to {} images lie on one place", r.prediction.most_at_one_place)
-                      : "no images lie on each other");
+      fmt::format("light   a ball moves {:.2f} px in a flash of {:g} us; {}", motion, 1e6 * s.picture.flash_s,
+                  most > 1 ? fmt::format("up to {} images lie on one place", most) : "no images overlap");
   const auto advice =
       exposure_advice(PhotographedLight{std::min(1.0, kLightestFelt * s.picture.exposure), 0.0, std::nullopt},
-                      std::max(1, r.prediction.most_at_one_place));
+                      std::max(1, most));
   if (advice) line += ": " + advice->words;
   lines.push_back(std::move(line));
 }

@@ -61,9 +61,4 @@ std::optional<ExposureAdvice> exposure_advice(const std::optional<PhotographedLi
   return advice;
 }
 
-double light_ratio(const LensSetUp& from, const LensSetUp& to) {
-  const double a = from.f_number * (1.0 + magnification(from)), b = to.f_number * (1.0 + magnification(to));
-  return a * a / (b * b);
-}
-
 }  // namespace strobe::host

@@ -5,8 +5,6 @@
 #include <optional>
 #include <string>
 
-#include "host/design/optics.hpp"
-
 namespace strobe::host {
 
 /// Of a photograph's numbers, as shares of what saturates.
@@ -37,9 +35,5 @@ inline constexpr double kLeastImageLight = 0.10;
 /// Returns nullopt without a measured photograph, or for levels out of range: not known.
 std::optional<ExposureAdvice> exposure_advice(const std::optional<PhotographedLight>& measured,
                                               int overlapping);
-
-/// The same light through another aperture, and at another magnification: as (N (1 + m))⁻² (S. F. Ray,
-/// Applied Photographic Optics, ch. 12). A ratio of an image's light; set-ups as check() accepts them.
-double light_ratio(const LensSetUp& from, const LensSetUp& to);
 
 }  // namespace strobe::host

@@ -38,6 +38,13 @@ std::vector<double> expanded_of(const Prediction& p, int shots,
   return values;
 }
 
+std::string lens_words(const SetUp& s, double factor) {
+  const double px_per_m = factor * s.px_per_m;
+  std::string words = fmt::format("a lens {:.2g} times as long", factor);
+  if (s.lens) words += fmt::format(", or this one at {:.2f} m", distance_for_scale_m(*s.lens, px_per_m));
+  return words + fmt::format(": {:.0f} px/m, {:.2f} m are seen", px_per_m, s.width_px / px_per_m);
+}
+
 void add_set_up(const Design& now, std::vector<Variant>& variants) {
   const auto add = [&](std::string what, const auto& change) {
     Variant v{std::move(what), now};
@@ -45,12 +52,8 @@ void add_set_up(const Design& now, std::vector<Variant>& variants) {
     variants.push_back(std::move(v));
   };
   const SetUp& s = now.set_up;
-  add(fmt::format("a lens {} times as long: {:.0f} px/m, {:.2f} m are seen", kLongerLens,
-                  kLongerLens * s.px_per_m, s.width_px / (kLongerLens * s.px_per_m)),
-      [](Design& d) { d.set_up = with_lens(d.set_up, kLongerLens); });
-  add(fmt::format("a lens {:.2f} times as long: {:.0f} px/m, {:.2f} m are seen", 1.0 / kLongerLens,
-                  s.px_per_m / kLongerLens, kLongerLens * s.width_px / s.px_per_m),
-      [](Design& d) { d.set_up = with_lens(d.set_up, 1.0 / kLongerLens); });
+  for (const double factor : {kLongerLens, 1.0 / kLongerLens})
+    add(lens_words(s, factor), [factor](Design& d) { d.set_up = with_lens(d.set_up, factor); });
   const double good_scale_sd = kGoodScaleShare * s.px_per_m;
   if (!s.camera.px_per_m_sd || *s.camera.px_per_m_sd > good_scale_sd || !s.camera.map_errors.empty())
     add(fmt::format("a better board: the scale known to {:.2f} %", 100.0 * kGoodScaleShare), [&](Design& d) {

@@ -186,7 +186,6 @@ Result<Prediction> predict(const ExpectedBall& ball, const SetUp& set_up, const 
     const ExpectedShot shot = expected_shot(*course, draw, train, ball, set_up);
     note_images(shot, prediction.balls++ == 0, prediction);
     if (!shot.not_known.empty()) {
-      prediction.not_known = shot.not_known;
       ++prediction.reasons[shot.not_known];
       continue;
     }

@@ -44,7 +44,6 @@ struct Prediction {
   /// Of the readable ones whose spins are read as others that explain the equators as well, or are flagged
   /// so.
   int aliased = 0;
-  std::string not_known;  ///< what the digitizer's noise model does not cover; empty: nothing
   std::array<int, 2> incoming{}, rebound{};  ///< images, fewest and most
   double largest_overlap = 0.0;
   int most_at_one_place = 0;  ///< images, as ExpectedShot has them

@@ -1,5 +1,7 @@
 #include "host/design/set_up.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "common/units/angles.hpp"
@@ -8,8 +10,6 @@
 namespace strobe::host {
 namespace {
 
-// What is seen where no photograph's size is known.
-constexpr double kUsualWidth_m = 0.72, kUsualHeight_m = 0.46;
 constexpr double kSurfaceAt = 1.0 / 9.0;
 // Where the rig file does not say how much the machine's lag differs from shot to shot.
 constexpr double kUsualArrivalSd_s = 0.003;
@@ -47,6 +47,15 @@ Result<SetUp> set_up_of(const RigFile& rig) {
 Result<SetUp> through(const SetUp& set_up, LensSetUp lens) {
   lens.width_px = static_cast<int>(std::lround(set_up.width_px));
   lens.height_px = static_cast<int>(std::lround(set_up.height_px));
+  if (lens.focal_length_mm == 0.0) {
+    LensSetUp any = lens;
+    any.focal_length_mm = 1.0;
+    if (auto known = check(any); !known) return tl::unexpected(known.error());
+    const auto usual = focal_length_for_view_mm(any, {kUsualWidth_m, kUsualHeight_m});
+    if (!usual)
+      return fail(fmt::format("no usual lens sees {} x {} m from there", kUsualWidth_m, kUsualHeight_m));
+    lens.focal_length_mm = *usual;
+  }
   if (auto known = check(lens); !known) return tl::unexpected(known.error());
   SetUp s = with_lens(set_up, px_per_m(lens) / set_up.px_per_m);
   s.lens = lens;

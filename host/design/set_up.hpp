@@ -23,6 +23,9 @@ struct ExpectedPicture {
   double flash_s = 1e-6;  ///< of a flash's light
 };
 
+/// What is seen where no photograph's size is known: as much as a tennis ball's two legs take.
+inline constexpr double kUsualWidth_m = 0.72, kUsualHeight_m = 0.46;
+
 struct SetUp {
   CameraTable camera;     ///< scale, its sd, map errors, size of the photograph
   double px_per_m = 0.0;  ///< > 0

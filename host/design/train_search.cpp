@@ -14,10 +14,8 @@ namespace strobe::host {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-// While a train is searched for, few balls stand for many; while one is changed flash by flash, their flashes
-// are taken as named.
-constexpr PredictionOptions kNamed{.balls = 16, .budgets = 0, .match = true};
-constexpr PredictionOptions kCoarse{.balls = 16, .budgets = 0, .match = false};
+// While a train is searched for, few balls stand for many.
+constexpr PredictionOptions kCoarse{.balls = 16, .budgets = 0, .match = true};
 constexpr PredictionOptions kFine{.balls = 64, .budgets = 0, .match = true};
 // A ball that cannot be read weighs as much as sds twenty times as large.
 constexpr double kUnreadable = 3.0;
@@ -77,7 +75,7 @@ class Search {
 
   Result<FoundTrain> run() {
     Candidate given = coded(plan_);
-    if (auto failed = rate(given, kNamed); !failed) return tl::unexpected(failed.error());
+    if (auto failed = rate(given); !failed) return tl::unexpected(failed.error());
     Candidate spaced = given;
     sweep_periods(spaced);
     // Of a train with fewer images than the given one, another of as few is the measure.
@@ -101,9 +99,9 @@ class Search {
     return c;
   }
 
-  Result<void> rate(Candidate& c, const PredictionOptions& options) {
+  Result<void> rate(Candidate& c) {
     ++tried_;
-    const auto prediction = predict(ball_, set_up_, c.train, options);
+    const auto prediction = predict(ball_, set_up_, c.train, kCoarse);
     if (!prediction) return tl::unexpected(prediction.error());
     c.score = score(*prediction, wish_);
     return {};
@@ -122,7 +120,7 @@ class Search {
       keep_length(plan);
       if (plan_problem(plan.shot(), set_up_.limits)) continue;
       Candidate c = coded(plan);
-      if (rate(c, kNamed) && c.score < best.score) best = c;
+      if (rate(c) && c.score < best.score) best = c;
       if (!go_on(0.3 * std::log(period_s / shortest_interval_s()) /
                  std::log(longest_s / shortest_interval_s())))
         return;
@@ -172,7 +170,7 @@ class Search {
   void exchange(Candidate& best) {
     Candidate c = best;
     cut_to_window(c);
-    if (!rate(c, kNamed)) return;
+    if (!rate(c)) return;
     for (int pass = 0; pass < kPasses; ++pass) {
       const double before = c.score;
       for (std::size_t i = 0; i <= c.train.flash_s.size(); ++i) {
@@ -186,7 +184,7 @@ class Search {
     }
     c.plan = plan_of(c.train);
     if (plan_problem(c.plan.shot(), set_up_.limits)) return;
-    if (rate(c, kNamed) && c.score < best.score - std::log(kWorthWhile)) best = c;
+    if (rate(c) && c.score < best.score - std::log(kWorthWhile)) best = c;
   }
 
   void cut_to_window(Candidate& c) const {
@@ -222,7 +220,7 @@ class Search {
       if (!playable(train)) continue;
       Candidate tried = c;
       tried.train.flash_s = std::move(train);
-      if (rate(tried, kNamed) && tried.score < c.score) c = std::move(tried);
+      if (rate(tried) && tried.score < c.score) c = std::move(tried);
     }
   }
 

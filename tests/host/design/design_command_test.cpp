@@ -40,6 +40,7 @@ TEST(DesignCommand, RefusesInOneLineThatNamesTheOption) {
   refuses("--plan: nowhere.toml", with({"--plan", "nowhere.toml"}));
   refuses("--scene: nowhere.toml", {"--scene", "nowhere.toml"});
   refuses("go together", with({"--focal-mm", "50"}));
+  refuses("no usual lens sees", with({"--distance-m", "0.02", "--pixel-um", "4.5"}));
   refuses("nowhere: no such folder", {"--like", "nowhere"});
 }
 

@@ -58,13 +58,3 @@ TEST(Exposure, ASaturatedImageTellsOnlyThatThereIsTooMuchLight) {
   LONGS_EQUAL(0, advice->images_before_clip);
   STRCMP_EQUAL("close by 2 stops at least, and photograph again: one image saturates", advice->words.c_str());
 }
-
-TEST(Exposure, TwoStopsOfAperturesAreFourTimesTheLight) {
-  const LensSetUp far{2592, 2048, 5.0, 50.0, 8.0, 1000.0};
-  LensSetUp open = far;
-  open.f_number = 4.0;
-  DOUBLES_EQUAL(4.0, light_ratio(far, open), 1e-12);
-  LensSetUp life_size = far;  // twice as far from the lens to the sensor: a quarter, but for 1000 m
-  life_size.distance_m = 0.1;
-  DOUBLES_EQUAL(0.25, light_ratio(far, life_size), 1e-4);
-}

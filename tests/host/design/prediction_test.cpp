@@ -154,7 +154,8 @@ TEST(Prediction, IsNoneWhereTheDigitizerIsNotKnown) {
   const auto p = predict(steady_ball(), s, train_of(even(6, 0.002, 0.0025)), {.balls = 4});
   CHECK_TRUE(p.has_value());
   LONGS_EQUAL(0, p->readable);
-  STRCMP_CONTAINS("not known for balls of 20 px", p->not_known.c_str());
+  LONGS_EQUAL(1, p->reasons.size());
+  STRCMP_CONTAINS("not known for balls of 20 px", p->reasons.begin()->first.c_str());
   CHECK_FALSE(p->of(Quantity::e).has_value());
 }
 
