@@ -6,19 +6,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
-#include <string>
-
 #include <vector>
 
 #include "common/command_line/command_line.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/parsed_json.hpp"
-#include "common/units/angles.hpp"
-#include "host/assembly/coded_spacing.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/design_inputs.hpp"
 #include "host/commands/shared_options.hpp"

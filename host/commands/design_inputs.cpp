@@ -52,9 +52,7 @@ Result<void> like_session(const DesignOptions& options, ExpectedBall& ball) {
     return fail(
         fmt::format("--like: {}: {} conditions, a design is for one", options.like, selected->groups.size()));
   const std::vector<Shot>& shots = selected->groups.front().shots;
-  Series series;
-  for (const Shot& shot : shots) series.add(shot);
-  const SeriesSummary summary = series.summary("");
+  const SeriesSummary summary = summarize("", shots);
   const auto take = [&](Quantity q, double unit, Spread& spread) -> Result<void> {
     auto found = spread_of(summary, q, noise_of(shots, q));
     if (!found) return fail("--like: " + options.like + ": " + found.error().message);

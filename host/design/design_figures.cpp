@@ -4,7 +4,6 @@
 
 #include "common/flight/parabola.hpp"
 #include "common/units/angles.hpp"
-#include "host/assembly/coded_spacing.hpp"
 #include "host/design/design_view.hpp"
 #include "host/figures/svg.hpp"
 #include "host/session/shot_table.hpp"
@@ -18,7 +17,7 @@ using Curve = figures::Series;
 using figures::Stroke;
 using reduction::Quantity;
 
-constexpr int kMostBalls = 60;
+constexpr int kMaxBalls = 60;
 constexpr double kEllipseShown = 100.0;
 // Width over height of a figure's only panel in a row (host/figures/svg.cpp).
 constexpr double kPanelAspect = 3.14;
@@ -122,7 +121,7 @@ Result<Figure> uncertainty_figure(const DesignReport& report) {
       "One thing is varied, the rest is as in this design; no point where half of the balls cannot be read.";
   figure.columns = 3;
   std::vector<double> balls;
-  for (int n = 4; n <= kMostBalls; n += n < 12 ? 1 : 4) balls.push_back(n);
+  for (int n = 4; n <= kMaxBalls; n += n < 12 ? 1 : 4) balls.push_back(n);
   const auto by_balls = panel_of(report, true, "balls", balls, [&](double n) {
     Design design = report.design;
     design.shots = static_cast<int>(n);

@@ -103,7 +103,7 @@ bool is_known(const PictureConditions& c, double readable) {
          kMotion_px.contains(c.motion_px) && kExposure.contains(c.exposure) &&
          kFullWell_e.contains(c.full_well_e) && kReadNoise_e.contains(c.read_noise_e) &&
          kLineContrast.contains(c.line_contrast) && kLineWidth.contains(c.line_width) &&
-         kReadableShare.contains(readable) && c.step >= kLeastStep;
+         kReadableShare.contains(readable) && c.step >= kMinStep;
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ inline constexpr ConditionRange kReadNoise_e{3.0, 30.0};
 inline constexpr ConditionRange kLineContrast{0.2, 1.0};
 inline constexpr ConditionRange kLineWidth{0.0227, 0.0607};  ///< over the diameter
 inline constexpr ConditionRange kReadableShare{0.2, 1.0};    ///< of the outline
-inline constexpr double kLeastStep = 0.25;
+inline constexpr double kMinStep = 0.25;
 
 /// Light of the lightest felt in one image at an exposure of 1, over what saturates.
 inline constexpr double kLightestFelt = 0.45;

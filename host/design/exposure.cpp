@@ -8,17 +8,17 @@
 namespace strobe::host {
 namespace {
 
-constexpr int kMostOverlaps = 1000;
+constexpr int kMaxOverlapping = 1000;
 
 bool is_in_range(const PhotographedLight& light, int overlapping) {
   return light.brightness > 0.0 && light.brightness <= 1.0 && light.dark >= 0.0 &&
          light.dark < light.brightness && light.transfer_exponent.value_or(1.0) > 0.0 && overlapping >= 1 &&
-         overlapping <= kMostOverlaps;
+         overlapping <= kMaxOverlapping;
 }
 
 /// How many images' light a place holds.
 int images_before(double level, double dark_light, double image_light) {
-  return static_cast<int>(std::min<double>(kMostOverlaps, std::floor((level - dark_light) / image_light)));
+  return static_cast<int>(std::min<double>(kMaxOverlapping, std::floor((level - dark_light) / image_light)));
 }
 
 std::string what_to_do(double stops) {
@@ -42,7 +42,7 @@ std::optional<ExposureAdvice> exposure_advice(const std::optional<PhotographedLi
       advice.is_clipped ? 0 : images_before(1.0, advice.dark_light, advice.image_light);
   // The dark is taken to stay: room light does with the aperture, a black level does not.
   const double wanted = (kBrightestPlace - advice.dark_light) / overlapping;
-  const double target = std::max(wanted, kLeastImageLight);
+  const double target = std::max(wanted, kMinImageLight);
   advice.stops = 0.5 * std::floor(2.0 * std::log2(target / advice.image_light) + 1e-9);
   if (advice.is_clipped) {
     advice.stops = std::min(advice.stops, -1.0);

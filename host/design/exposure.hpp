@@ -28,10 +28,10 @@ struct ExposureAdvice {
 /// A well exposed place is at most this light; above, lamps that vary would clip.
 inline constexpr double kBrightestPlace = 0.8;
 /// Of one image. Below, noise tells in the outlines (commission::kMinBrightness).
-inline constexpr double kLeastImageLight = 0.10;
+inline constexpr double kMinImageLight = 0.10;
 
 /// So that where `overlapping` images (1 to 1000) lie on one place it is as light as kBrightestPlace; where
-/// one image would then be below kLeastImageLight, so that it is that light, and the words say how many clip.
+/// one image would then be below kMinImageLight, so that it is that light, and the words say how many clip.
 /// Returns nullopt without a measured photograph, or for levels out of range: not known.
 std::optional<ExposureAdvice> exposure_advice(const std::optional<PhotographedLight>& measured,
                                               int overlapping);

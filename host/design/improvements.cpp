@@ -84,9 +84,7 @@ void add_series(const Design& now, std::vector<Variant>& variants) {
 
 /// Flashes as fast as the lamps allow, or half as far apart.
 void add_faster_train(const Design& now, const RigFile& rig, std::vector<Variant>& variants) {
-  const Duration shortest =
-      std::max(now.set_up.limits.lamp_period, now.set_up.limits.flash_interval + microseconds{1});
-  const Duration period = std::max(shortest, now.plan.even.period / 2);
+  const Duration period = std::max(now.set_up.shortest_interval(), now.plan.even.period / 2);
   if (period >= now.plan.even.period) return;
   PlanFile plan = now.plan;
   plan.even.period = period;

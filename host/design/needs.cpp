@@ -1,19 +1,8 @@
 #include "host/design/needs.hpp"
 
-#include <cmath>
-
 #include "host/series/sample_size.hpp"
 
 namespace strobe::host {
-namespace {
-
-/// Of single shots about their mean.
-double scatter_of(const PredictedQuantity& q) {
-  return std::sqrt(q.spread * q.spread + q.shot_sd * q.shot_sd - q.shared_sd * q.shared_sd);
-}
-
-}  // namespace
-
 std::vector<Need> needs(const Prediction& prediction, std::span<const Wanted> wanted,
                         std::span<const Wanted> differences, double power) {
   std::vector<Need> list;
@@ -21,7 +10,7 @@ std::vector<Need> needs(const Prediction& prediction, std::span<const Wanted> wa
     const auto& q = prediction.of(w.quantity);
     if (!q) return;
     Need need{w.quantity, w.size(q->mean), is_difference, std::nullopt};
-    const Scatter scatter{.sd = scatter_of(*q)};
+    const Scatter scatter{.sd = q->scatter_sd()};
     // Both series are fired with one rig, ball and calibration: what they share cancels.
     const auto count =
         is_difference ? shots_for_difference({.first = scatter, .second = scatter}, need.half_width, power)

@@ -163,15 +163,13 @@ void note_images(const ExpectedShot& shot, bool first, Prediction& prediction) {
 
 }  // namespace
 
-double PredictedQuantity::mean_sd(int n) const {
-  const double own = spread * spread + shot_sd * shot_sd - shared_sd * shared_sd;
-  return std::sqrt(own / n + shared_sd * shared_sd);
+double PredictedQuantity::scatter_sd() const {
+  return std::sqrt(spread * spread + shot_sd * shot_sd - shared_sd * shared_sd);
 }
 
-double PredictedQuantity::expanded(int n) const {
-  return expected_half_width(std::sqrt(spread * spread + shot_sd * shot_sd - shared_sd * shared_sd),
-                             shared_sd, n);
-}
+double PredictedQuantity::mean_sd(int n) const { return std::hypot(scatter_sd() / std::sqrt(n), shared_sd); }
+
+double PredictedQuantity::expanded(int n) const { return expected_half_width(scatter_sd(), shared_sd, n); }
 
 Result<Prediction> predict(const ExpectedBall& ball, const SetUp& set_up, const ExpectedTrain& train,
                            const PredictionOptions& options) {

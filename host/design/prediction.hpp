@@ -28,6 +28,8 @@ struct PredictedQuantity {
   double shared_sd = 0.0;          ///< what of it all shots of a series have in common
   std::vector<BudgetLine> budget;  ///< of shot_sd², the largest first; empty unless asked for
 
+  /// Of single shots about their mean.
+  double scatter_sd() const;
   /// Standard uncertainty of a series' mean, n >= 1 shots.
   double mean_sd(int n) const;
   /// Half width of the mean's 95 % interval, as `strobe series` will state it of n >= 2 shots.
@@ -35,7 +37,7 @@ struct PredictedQuantity {
 };
 
 /// Share of balls whose spins may be read as others.
-inline constexpr double kMostAliased = 0.01;
+inline constexpr double kMaxAliasedShare = 0.01;
 
 struct Prediction {
   int balls = 0;                       ///< expected
@@ -50,7 +52,7 @@ struct Prediction {
   std::array<std::optional<PredictedQuantity>, reduction::kQuantityCount> quantities{};  ///< index: Quantity
 
   /// Whether so few balls have their spin read wrongly that it and what follows from it can be relied upon.
-  bool spins_known() const { return aliased <= kMostAliased * readable; }
+  bool spins_known() const { return aliased <= kMaxAliasedShare * readable; }
 
   const std::optional<PredictedQuantity>& of(reduction::Quantity q) const {
     return quantities[static_cast<std::size_t>(q)];

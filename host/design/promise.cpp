@@ -97,7 +97,7 @@ std::vector<Kept> kept(const Promise& promise, const SeriesSummary& summary, std
     k.n = s.n;
     k.promised_sd = p.shot_sd;
     k.shot_sd = stated_sd(shots, k.quantity);
-    k.promised_scatter = std::sqrt(p.spread * p.spread + p.shot_sd * p.shot_sd - p.shared_sd * p.shared_sd);
+    k.promised_scatter = p.scatter_sd();
     k.scatter = *s.scatter_sd;
     k.promised_expanded = p.expanded(s.n);
     k.expanded = s.expanded_uncertainty.value_or(0.0);

@@ -2,6 +2,7 @@
 // Plain values and pure functions; thread-safe.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -51,6 +52,11 @@ struct SetUp {
   double gate_distance_sd_m = 0.0;
   PlanLimits limits;
   double match_tolerance_percent = 1.0;
+
+  /// Between two flashes of both lamps.
+  Duration shortest_interval() const {
+    return std::max(limits.lamp_period, limits.flash_interval + microseconds{1});
+  }
 };
 
 /// As the rig file has it. Touchdown is expected in the middle of the photograph, its surface at `surface_px`

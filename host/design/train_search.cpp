@@ -71,7 +71,8 @@ class Search {
         rig_(rig),
         plan_(plan),
         wish_(wish),
-        progress_(progress) {}
+        progress_(progress),
+        window_(window()) {}
 
   Result<FoundTrain> run() {
     Candidate given = coded(plan_);
@@ -87,9 +88,7 @@ class Search {
 
  private:
   bool digitized() const { return set_up_.measured_by == MeasuredBy::digitizer; }
-  double shortest_interval_s() const {
-    return to_seconds(std::max(set_up_.limits.lamp_period, set_up_.limits.flash_interval + microseconds{1}));
-  }
+  double shortest_interval_s() const { return to_seconds(set_up_.shortest_interval()); }
 
   /// As `strobe fire` would code it.
   Candidate coded(const PlanFile& plan) const {
@@ -136,7 +135,7 @@ class Search {
       return;
     }
     const ExpectedTrain train = expected_train(plan_.shot(), set_up_, ball_);
-    const Window seen = window();
+    const Window& seen = window_;
     const double wait_s = kArrivalSds * train.arrival_sd_s + to_seconds(plan.even.period);
     const double impact_s = std::min(train.touchdown_s, wait_s - seen.from_s);
     plan.even.impact_at = microseconds{std::llround(1e6 * impact_s)};
@@ -188,7 +187,7 @@ class Search {
   }
 
   void cut_to_window(Candidate& c) const {
-    const Window seen = window();
+    const Window& seen = window_;
     const double wait_s = kArrivalSds * c.train.arrival_sd_s;
     std::erase_if(c.train.flash_s, [&](double t) {
       const double since_s = t - c.train.touchdown_s;
@@ -273,6 +272,7 @@ class Search {
   const PlanFile& plan_;
   const TrainWish& wish_;
   const std::function<bool(double)>& progress_;
+  const Window window_;
   int tried_ = 0;
 };
 

@@ -58,9 +58,9 @@ struct Fit {
 
 /// Weighted least squares of the culprit's sizes.
 Fit fit_of(Culprit culprit, std::span<const WitnessShift> shifts, bool calibrated) {
-  constexpr int kMostColumns = 3;
+  constexpr int kMaxColumns = 3;
   const auto rows = static_cast<Eigen::Index>(shifts.size());
-  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(rows, kMostColumns);
+  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(rows, kMaxColumns);
   Eigen::VectorXd seen(rows);
   for (Eigen::Index i = 0; i < rows; ++i) {
     const WitnessShift& shift = shifts[static_cast<std::size_t>(i)];
@@ -70,7 +70,7 @@ Fit fit_of(Culprit culprit, std::span<const WitnessShift> shifts, bool calibrate
         by(i, e.column) = e.by * (e.relative ? shift.before.value : 1.0) / shift.change.sd;
   }
   // Columns of very different units.
-  for (Eigen::Index k = 0; k < kMostColumns; ++k)
+  for (Eigen::Index k = 0; k < kMaxColumns; ++k)
     if (const double norm = by.col(k).norm(); norm > 0.0) by.col(k) /= norm;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(by);
   const double chi_squared = (seen - by * factor.solve(seen)).squaredNorm();

@@ -98,7 +98,7 @@ TEST(DigitizerNoise, GrowsWithBlurAndOverlap) {
 
 TEST(DigitizerNoise, FindsFewerImagesInShorterSteps) {
   double last = 1.0;
-  for (const double step : {0.7, 0.5, 0.35, kLeastStep}) {
+  for (const double step : {0.7, 0.5, 0.35, kMinStep}) {
     PictureConditions conditions = usual(130.0);
     conditions.step = step;
     CHECK(sds_of(conditions).found < last);

@@ -136,7 +136,7 @@ class Study {
     fmt::print(
         "{} photographs; {} images invented; {} beyond what is predicted; legs or photographs whose variance "
         "is more than {:.0f} times as predicted:",
-        all_.photographs, all_.invented, all_.unknown, NoiseRatio::kMostExcess);
+        all_.photographs, all_.invented, all_.unknown, NoiseRatio::kMaxExcess);
     for (std::size_t kind = 0; kind < kNoiseKindNames.size(); ++kind)
       fmt::print(" {} {} of {}{}", kNoiseKindNames[kind], all_.ratios[kind].excessive(),
                  all_.ratios[kind].groups(), kind + 1 < kNoiseKindNames.size() ? "," : "\n");

@@ -19,7 +19,7 @@ using digitize::TrueImage;
 using sim::Draws;
 
 constexpr double kBall_m = 0.066;
-constexpr double kMostPixels = 2e6;
+constexpr double kMaxRenderedPixels = 2e6;
 /// Of this file's draws among those of the simulator.
 constexpr std::uint64_t kStream = 0x6e6f697365ULL;
 
@@ -61,7 +61,7 @@ NoiseCondition draw_condition(std::uint64_t seed, int number) {
   c.angle_rad = radians(between(draws, 12.0, 75.0));
   c.spin_radps = between(draws, -300.0, 300.0);
   c.images = 4 + static_cast<int>(3.0 * draws.uniform());
-  while (c.images > 3 && pixels_of(c, c.images) > kMostPixels) --c.images;
+  while (c.images > 3 && pixels_of(c, c.images) > kMaxRenderedPixels) --c.images;
   return c;
 }
 

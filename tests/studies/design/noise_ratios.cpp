@@ -10,8 +10,8 @@ namespace strobe::studies::design {
 
 namespace {
 
-constexpr double kMostStatedSds = 5.0;
-constexpr int kLeastImages = 3;
+constexpr double kMaxStatedSds = 5.0;
+constexpr int kMinImagesOfGroup = 3;
 /// A surface known worse, over the diameter, may be either edge of the plate.
 constexpr double kOneEdge = 0.01;
 
@@ -21,14 +21,14 @@ struct Measured {
 
 std::optional<NoiseGroup> group_of(NoiseKind kind, const std::vector<Measured>& all) {
   NoiseGroup group{.kind = kind, .images = static_cast<int>(all.size())};
-  if (group.images < kLeastImages) return std::nullopt;
+  if (group.images < kMinImagesOfGroup) return std::nullopt;
   const double n = group.images;
   double sum = 0.0, mean = 0.0, weights2 = 0.0, information = 0.0;
   for (const Measured& m : all) sum += 1.0 / (m.stated_sd * m.stated_sd);
   const auto weight = [&](const Measured& m) { return 1.0 / (m.stated_sd * m.stated_sd * sum); };
   for (const Measured& m : all) mean += weight(m) * m.error;
   for (const Measured& m : all) {
-    const double most = kMostStatedSds * m.stated_sd, w2 = weight(m) * weight(m);
+    const double most = kMaxStatedSds * m.stated_sd, w2 = weight(m) * weight(m);
     const double own = std::clamp(m.error - mean, -most, most);
     group.measured += n * w2 * own * own;
     information += 1.0 / (m.predicted_sd * m.predicted_sd);
@@ -64,14 +64,14 @@ std::optional<NoiseGroup> surface_of(const NoisePhotograph& photograph) {
       measured(photograph, std::nullopt, [](const NoiseSample& s, const host::DigitizerSds& sds) {
         return Measured{s.lowest_px, s.centre_sd_px, sds.surface_px};
       });
-  if (!photograph.surface_px || lowest.size() < kLeastImages) return std::nullopt;
+  if (!photograph.surface_px || lowest.size() < kMinImagesOfGroup) return std::nullopt;
   if (photograph.surface_sd_px > kOneEdge * photograph.condition.diameter_px) return std::nullopt;
   double mean_px = 0.0, sum = 0.0;
   for (const Measured& m : lowest) {
     mean_px += m.error / (m.stated_sd * m.stated_sd);
     sum += 1.0 / (m.stated_sd * m.stated_sd);
   }
-  const double most_px = kMostStatedSds * photograph.surface_sd_px / std::sqrt(host::kSurfacePoints);
+  const double most_px = kMaxStatedSds * photograph.surface_sd_px / std::sqrt(host::kSurfacePoints);
   const double height_px = std::clamp(mean_px / sum - *photograph.surface_px, -most_px, most_px);
   return NoiseGroup{.kind = NoiseKind::surface,
                     .images = 1,
@@ -117,11 +117,11 @@ std::vector<NoiseGroup> noise_groups(const NoisePhotograph& photograph) {
 
 void NoiseRatio::add(const NoiseGroup& group) {
   const auto over = [&](double variance) {
-    return group.images * std::clamp(variance / group.predicted, -kMostExcess, kMostExcess);
+    return group.images * std::clamp(variance / group.predicted, -kMaxExcess, kMaxExcess);
   };
   images_ += group.images;
   ++groups_;
-  if (group.measured > kMostExcess * group.predicted) ++excessive_;
+  if (group.measured > kMaxExcess * group.predicted) ++excessive_;
   measured_ += over(group.measured);
   stated_ += over(group.stated);
   common_ += over(group.common);

@@ -27,15 +27,15 @@ struct NoiseGroup {
 
 std::vector<NoiseGroup> noise_groups(const NoisePhotograph& photograph);
 
-/// Sums over groups. A group's variance counts for no more than kMostExcess times what is predicted.
+/// Sums over groups. A group's variance counts for no more than kMaxExcess times what is predicted.
 class NoiseRatio {
  public:
-  static constexpr double kMostExcess = 10.0;
+  static constexpr double kMaxExcess = 10.0;
 
   void add(const NoiseGroup& group);
   int images() const { return images_; }
   int groups() const { return groups_; }
-  int excessive() const { return excessive_; }  ///< groups beyond kMostExcess
+  int excessive() const { return excessive_; }  ///< groups beyond kMaxExcess
   double measured() const;                      ///< rms over predicted; NaN without any
   double stated() const;                        ///< likewise
   double common() const;                        ///< likewise; 0 if the squares' sum is below
