@@ -42,6 +42,8 @@ inline Result<void> check_pixels(const Pixels& pixels, int max_bits = 16) {
   return {};
 }
 
+bool tiff_is_camera_raw(Bytes tiff);
+
 /// How a camera says that it was held: tag 0x0112 of EXIF (CIPA DC-008), 1 to 8. `exif` begins with the TIFF
 /// header, "II" or "MM". Returns 1 if it says nothing that can be read.
 int exif_orientation(Bytes exif);

@@ -23,6 +23,16 @@ std::optional<std::uint64_t> read_number(Bytes bytes, std::uint64_t at, unsigned
   return value;
 }
 
+bool has(Bytes bytes, std::string_view mark, std::size_t at = 0) {
+  return bytes.size() >= at + mark.size() &&
+         std::ranges::equal(bytes.subspan(at, mark.size()), mark,
+                            [](unsigned char b, char c) { return b == static_cast<unsigned char>(c); });
+}
+
+bool is_tiff(Bytes bytes) {
+  return has(bytes, std::string_view("II*\0", 4)) || has(bytes, std::string_view("MM\0*", 4));
+}
+
 }  // namespace
 
 int exif_orientation(Bytes exif) {
@@ -43,16 +53,21 @@ int exif_orientation(Bytes exif) {
   return 1;
 }
 
+bool is_camera_raw(Bytes bytes) {
+  constexpr std::string_view kPanasonic("IIU\0", 4), kMinolta("\0MRM", 4);
+  for (const std::string_view mark :
+       {kPanasonic, kMinolta, std::string_view("IIRO"), std::string_view("IIRS"), std::string_view("MMOR"),
+        std::string_view("FOVb"), std::string_view("FUJIFILMCCD-RAW")})
+    if (has(bytes, mark)) return true;
+  return has(bytes, "ftypcrx ", 4) || has(bytes, "HEAPCCDR", 6) ||
+         (is_tiff(bytes) && tiff_is_camera_raw(bytes));
+}
+
 Result<Raster> decode(Bytes bytes) {
-  const auto starts = [&](std::string_view with) {
-    return bytes.size() >= with.size() &&
-           std::ranges::equal(bytes.first(with.size()), with,
-                              [](unsigned char b, char c) { return b == static_cast<unsigned char>(c); });
-  };
   if (bytes.empty()) return fail("the file is empty");
-  if (starts(std::string_view("II*\0", 4)) || starts(std::string_view("MM\0*", 4))) return decode_tiff(bytes);
-  if (starts("\x89PNG\r\n\x1a\n")) return decode_png(bytes);
-  if (starts("\xFF\xD8\xFF")) return decode_jpeg(bytes);
+  if (is_tiff(bytes)) return decode_tiff(bytes);
+  if (has(bytes, "\x89PNG\r\n\x1a\n")) return decode_png(bytes);
+  if (has(bytes, "\xFF\xD8\xFF")) return decode_jpeg(bytes);
   return fail("not a TIFF, PNG or JPEG file");
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,6 +25,10 @@ inline constexpr std::int64_t kMaxPixels = 120'000'000;
 /// each compression that libtiff knows; whatever else libtiff turns into colours of 8 bits (palette, YCbCr,
 /// CMYK, 1 to 4 bits). Numbers of 9 to 15 bits are not scaled to 16. Turned as its tag Orientation says.
 /// Fails for a camera's RAW file, and where another page has more pixels: the first one is a thumbnail.
+///
+/// A colour sensor's mosaic (Raster::mosaic) is read from an uncompressed page of one number of 16 bits, with
+/// PhotometricInterpretation 32803, CFARepeatPatternDim 2,2, CFAPattern (TIFF/EP, ISO 12234-2), BlackLevel
+/// and WhiteLevel (DNG 1.6); it is not turned.
 Result<Raster> decode_tiff(Bytes bytes);
 
 /// PNG (W3C, 2nd edition) of every colour type and depth; 1, 2 and 4 bits and palettes become 8 bits.
@@ -33,12 +38,19 @@ Result<Raster> decode_png(Bytes bytes);
 /// by guessing is an error.
 Result<Raster> decode_jpeg(Bytes bytes);
 
+/// Whether a camera's own format, which only a library for them reads: by the marks of Canon, Fujifilm,
+/// Minolta, Olympus, Panasonic and Sigma, or as a TIFF file with a mosaic in a page (Nikon, Sony, Pentax,
+/// DNG).
+bool is_camera_raw(Bytes bytes);
+
 /// Any of these, by its first bytes.
 Result<Raster> decode(Bytes bytes);
 
 struct TiffOptions {
   bool lzw = false;        ///< compressed, with differences of neighbours
   int rows_per_strip = 0;  ///< 0: all
+  std::optional<Mosaic> mosaic =
+      std::nullopt;  ///< of one number of 16 bits, uncompressed: what decode_tiff reads
 };
 Result<std::vector<std::uint8_t>> encode_tiff(const Pixels& pixels, const TiffOptions& options = {});
 

@@ -1,9 +1,12 @@
 // A picture in memory: rows from the top, the numbers of a pixel side by side. Not thread-safe to change.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 namespace strobe::image {
 
@@ -19,6 +22,26 @@ struct Pixels {
   const std::uint8_t* row(int y) const {
     return static_cast<const std::uint8_t*>(numbers) + row_bytes * static_cast<std::size_t>(y);
   }
+};
+
+/// How a colour sensor's pixels see: each in one colour, in tiles of 2 x 2 (Bayer, US patent 3971065).
+struct Mosaic {
+  static constexpr std::uint8_t kRed = 0, kGreen = 1, kBlue = 2;
+  std::array<std::uint8_t, 4> colours{kRed, kGreen, kGreen, kBlue};  ///< of the tile's two rows
+  int black = 0;      ///< the number that a pixel in the dark has, 0 to 65534
+  int white = 65535;  ///< that of a full one, black + 1 to 65535
+
+  std::uint8_t colour(int x, int y) const { return colours[static_cast<std::size_t>(y % 2 * 2 + x % 2)]; }
+  /// Green twice, on a diagonal, red and blue once; levels in their ranges.
+  bool is_valid() const {
+    const auto& c = colours;
+    const auto diagonal = [&](std::size_t one, std::size_t other, std::size_t red, std::size_t blue) {
+      return c[one] == kGreen && c[other] == kGreen && std::min(c[red], c[blue]) == kRed &&
+             std::max(c[red], c[blue]) == kBlue;
+    };
+    return (diagonal(0, 3, 1, 2) || diagonal(1, 2, 0, 3)) && black >= 0 && black < white && white <= 65535;
+  }
+  bool operator==(const Mosaic&) const = default;
 };
 
 /// Pixels of its own, rows without gaps; as Pixels.
@@ -50,6 +73,9 @@ class Raster {
   /// How a viewer would turn the picture for people, by the camera's note on how it was held (EXIF's tag
   /// 0x0112, 1 to 8; 1: not at all). It has not been turned.
   int orientation = 1;
+
+  /// Of one channel of 16 bits: the numbers are a colour sensor's own.
+  std::optional<Mosaic> mosaic;
 
  private:
   int width_ = 0;

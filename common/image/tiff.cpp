@@ -2,120 +2,28 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdarg>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 #include <memory>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "common/image/checks.hpp"
 #include "common/image/image_files.hpp"
+#include "common/image/mosaic_tags.hpp"
+#include "common/image/tiff_memory.hpp"
 
 namespace strobe::image {
 
 namespace {
-
-/// A TIFF file in memory, open for libtiff, which says what is wrong through it and prints nothing.
-struct TiffMemory {
-  Bytes bytes;                         ///< of a file that is read
-  std::vector<std::uint8_t>* written;  ///< of a file that is written, else null
-  std::uint64_t at = 0;
-  std::string words = {};   ///< what libtiff said first is wrong
-  bool lost_a_tag = false;  ///< libtiff goes on without one whose values are cut off, as a palette
-};
-
-struct CloseTiff {
-  void operator()(TIFF* tiff) const { TIFFClose(tiff); }
-};
-using OpenTiff = std::unique_ptr<TIFF, CloseTiff>;
-
-/// No single piece of memory of libtiff's is larger than the largest picture.
-constexpr tmsize_t kMaxMemory = 6 * kMaxPixels;
-
-TiffMemory& memory_of(thandle_t handle) { return *static_cast<TiffMemory*>(handle); }
-
-std::uint64_t size_of(const TiffMemory& memory) {
-  return memory.written != nullptr ? memory.written->size() : memory.bytes.size();
-}
-
-tmsize_t read(thandle_t handle, void* to, tmsize_t count) {
-  TiffMemory& memory = memory_of(handle);
-  const std::uint64_t size = size_of(memory);
-  const std::uint64_t there =
-      memory.at < size ? std::min(size - memory.at, static_cast<std::uint64_t>(count)) : 0;
-  const unsigned char* from = memory.written != nullptr ? memory.written->data() : memory.bytes.data();
-  if (there > 0) std::memcpy(to, from + memory.at, there);
-  memory.at += there;
-  return static_cast<tmsize_t>(there);
-}
-
-tmsize_t write(thandle_t handle, void* from, tmsize_t count) {
-  TiffMemory& memory = memory_of(handle);
-  if (memory.written == nullptr) return -1;
-  const std::uint64_t end = memory.at + static_cast<std::uint64_t>(count);
-  try {
-    if (end > memory.written->size()) memory.written->resize(end);
-  } catch (const std::exception&) {  // none may pass through libtiff
-    return -1;
-  }
-  std::memcpy(memory.written->data() + memory.at, from, static_cast<std::size_t>(count));
-  memory.at = end;
-  return count;
-}
-
-toff_t seek(thandle_t handle, toff_t offset, int whence) {
-  TiffMemory& memory = memory_of(handle);
-  memory.at = offset + (whence == SEEK_CUR ? memory.at : whence == SEEK_END ? size_of(memory) : 0);
-  return memory.at;
-}
-
-int close(thandle_t) { return 0; }
-
-toff_t size(thandle_t handle) { return size_of(memory_of(handle)); }
-
-int map(thandle_t handle, void** base, toff_t* size) {
-  const TiffMemory& memory = memory_of(handle);
-  if (memory.written != nullptr) return 0;
-  *base = const_cast<unsigned char*>(memory.bytes.data());  // libtiff only reads it
-  *size = memory.bytes.size();
-  return 1;
-}
-
-void unmap(thandle_t, void*, toff_t) {}
-
-int on_error(TIFF*, void* data, const char*, const char* format, va_list values) {
-  auto& memory = *static_cast<TiffMemory*>(data);
-  std::array<char, 200> text{};
-  std::vsnprintf(text.data(), text.size(), format, values);
-  if (memory.words.empty()) memory.words = text.data();
-  return 1;
-}
-
-int on_warning(TIFF*, void* data, const char*, const char* format, va_list) {
-  if (std::strncmp(format, "IO error", 8) == 0) static_cast<TiffMemory*>(data)->lost_a_tag = true;
-  return 1;
-}
-
-/// Null if the header is damaged. `memory` outlives what is returned.
-OpenTiff open_tiff(TiffMemory& memory) {
-  const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(TIFFOpenOptionsAlloc(),
-                                                                                 TIFFOpenOptionsFree);
-  TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), kMaxMemory);
-  TIFFOpenOptionsSetErrorHandlerExtR(options.get(), on_error, &memory);
-  TIFFOpenOptionsSetWarningHandlerExtR(options.get(), on_warning, &memory);
-  const char* mode = memory.written != nullptr ? "w" : "r";
-  return OpenTiff(
-      TIFFClientOpenExt("", mode, &memory, read, write, seek, close, size, map, unmap, options.get()));
-}
 
 /// What a directory says of its pixels.
 struct Directory {
   std::uint32_t width = 0, height = 0, kind = 0;
   std::uint16_t bits = 1, samples = 1, meaning = PHOTOMETRIC_MINISBLACK;
   std::uint16_t planes = PLANARCONFIG_CONTIG, orientation = ORIENTATION_TOPLEFT;
-  std::uint16_t format = SAMPLEFORMAT_UINT;
+  std::uint16_t format = SAMPLEFORMAT_UINT, compression = COMPRESSION_NONE;
+  std::optional<Mosaic> mosaic;  ///< of one that is read
 
   std::uint64_t pixels() const { return std::uint64_t{width} * height; }
   bool is_reduced() const { return (kind & FILETYPE_REDUCEDIMAGE) != 0; }
@@ -123,12 +31,12 @@ struct Directory {
   bool is_raw() const { return meaning == PHOTOMETRIC_CFA || meaning == 34892; }
   bool is_grey() const { return meaning == PHOTOMETRIC_MINISBLACK || meaning == PHOTOMETRIC_MINISWHITE; }
   bool apart() const { return planes == PLANARCONFIG_SEPARATE; }
-  int channels() const { return is_grey() ? 1 : 3; }
+  int channels() const { return is_grey() || mosaic ? 1 : 3; }
   /// Whether the numbers are taken as they are. libtiff mixes colours of 8 bits with what is behind them.
   bool is_plain() const {
     if (bits < 8 || bits > 16 || samples < channels()) return false;
     if (bits == 8 && samples > channels()) return false;
-    return is_grey() || meaning == PHOTOMETRIC_RGB;
+    return is_grey() || mosaic || meaning == PHOTOMETRIC_RGB;
   }
 };
 
@@ -143,6 +51,9 @@ Directory read_directory(TIFF* tiff) {
   TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &d.planes);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &d.orientation);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &d.format);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &d.compression);
+  if (d.meaning == PHOTOMETRIC_CFA && d.bits == 16 && d.samples == 1 && d.compression == COMPRESSION_NONE)
+    d.mosaic = read_mosaic_tags(tiff);
   return d;
 }
 
@@ -163,13 +74,17 @@ std::vector<Directory> pages_of(TIFF* tiff) {
   return pages;
 }
 
-/// RAW files of many cameras are TIFF files whose first page is a thumbnail. Canon's first directory has
-/// nothing that tells, and follows a mark.
-bool is_camera_raw(TIFF* tiff, Bytes bytes, const std::vector<Directory>& pages) {
-  constexpr std::array<unsigned char, 8> kCanon{16, 0, 0, 0, 'C', 'R', 2, 0};
+/// Of CR2, whose first directory has nothing that tells.
+bool has_canon_mark(Bytes bytes) {
+  constexpr std::array<unsigned char, 8> kMark{16, 0, 0, 0, 'C', 'R', 2, 0};
+  return bytes.size() >= 12 && std::ranges::equal(bytes.subspan(4, 8), kMark);
+}
+
+/// RAW files of many cameras are TIFF files whose first page is a thumbnail. A mosaic by itself is none.
+bool has_raw_page(TIFF* tiff, const std::vector<Directory>& pages) {
   const void* version = nullptr;
-  return std::ranges::any_of(pages, &Directory::is_raw) ||
-         (bytes.size() >= 12 && std::ranges::equal(bytes.subspan(4, 8), kCanon)) ||
+  return std::any_of(pages.begin() + (pages.front().mosaic ? 1 : 0), pages.end(),
+                     [](const Directory& page) { return page.is_raw(); }) ||
          (TIFFSetDirectory(tiff, 0) != 0 && TIFFGetField(tiff, TIFFTAG_DNGVERSION, &version) != 0);
 }
 
@@ -179,16 +94,15 @@ Result<void> check_pages(Bytes bytes) {
   const OpenTiff tiff = open_tiff(memory);
   if (!tiff) return {};
   const std::vector<Directory> pages = pages_of(tiff.get());
-  constexpr const char* kConvert = "dcraw_emu -4 -T -t 0 -o 0 FILE";
-  if (is_camera_raw(tiff.get(), bytes, pages))
-    return fail(fmt::format("it is a camera's RAW file: convert it to a linear TIFF ({})", kConvert));
+  if (has_canon_mark(bytes) || has_raw_page(tiff.get(), pages))
+    return fail("it is a camera's RAW file, of which strobe-raw makes a mosaic TIFF");
   const Directory& first = pages.front();
   for (const Directory& other : pages)
     if (other.pixels() > first.pixels() || (first.is_reduced() && !other.is_reduced()))
       return fail(
           fmt::format("the first page of the TIFF, {} x {} pixels, is a thumbnail of another of {} x {}: "
-                      "save that one alone, or convert a camera's RAW file ({})",
-                      first.width, first.height, other.width, other.height, kConvert));
+                      "save that one alone",
+                      first.width, first.height, other.width, other.height));
   return {};
 }
 
@@ -321,6 +235,7 @@ Result<Raster> read_plain(TIFF* tiff, const Directory& d, const TiffMemory& memo
   for (int plane = 0; plane < (d.apart() ? d.channels() : 1); ++plane)
     if (!read_plane(tiff, d, *piece, plane, raster, buffer.get())) return damaged("TIFF", memory.words);
   if (d.meaning == PHOTOMETRIC_MINISWHITE) invert(raster, d.bits);
+  raster.mosaic = d.mosaic;
   return raster;
 }
 
@@ -387,11 +302,14 @@ bool describe(TIFF* tiff, const Pixels& pixels, const TiffOptions& options, int 
          TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, pixels.bits) != 0 &&
          TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, pixels.channels) != 0 &&
          TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
-                      pixels.channels == 1 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB) != 0 &&
+                      options.mosaic         ? PHOTOMETRIC_CFA
+                      : pixels.channels == 1 ? PHOTOMETRIC_MINISBLACK
+                                             : PHOTOMETRIC_RGB) != 0 &&
          TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) != 0 &&
          TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, rows) != 0 &&
          TIFFSetField(tiff, TIFFTAG_COMPRESSION, options.lzw ? COMPRESSION_LZW : COMPRESSION_NONE) != 0 &&
-         (!options.lzw || TIFFSetField(tiff, TIFFTAG_PREDICTOR, kHorizontalDifferences) != 0);
+         (!options.lzw || TIFFSetField(tiff, TIFFTAG_PREDICTOR, kHorizontalDifferences) != 0) &&
+         (!options.mosaic || write_mosaic_tags(tiff, *options.mosaic));
 }
 
 /// Strip by strip; libtiff may change what it is given, so that it gets a copy.
@@ -426,11 +344,22 @@ Result<Raster> decode_tiff(Bytes bytes) {
   if (memory.lost_a_tag || !is_whole(tiff.get(), bytes)) return fail("the TIFF file is cut short");
   auto raster = d.is_plain() ? read_plain(tiff.get(), d, memory) : read_converted(tiff.get(), d, memory);
   if (!raster || d.orientation <= ORIENTATION_TOPLEFT || d.orientation > ORIENTATION_LEFTBOT) return raster;
-  return turned(*raster, d.orientation);
+  if (!d.mosaic) return turned(*raster, d.orientation);
+  raster->orientation = d.orientation;
+  return raster;
+}
+
+bool tiff_is_camera_raw(Bytes bytes) {
+  TiffMemory memory{.bytes = bytes, .written = nullptr, .at = 0};
+  const OpenTiff tiff = open_tiff(memory);
+  return has_canon_mark(bytes) || (tiff && has_raw_page(tiff.get(), pages_of(tiff.get())));
 }
 
 Result<std::vector<std::uint8_t>> encode_tiff(const Pixels& pixels, const TiffOptions& options) {
   if (auto checked = check_pixels(pixels); !checked) return tl::unexpected(checked.error());
+  if (options.mosaic &&
+      (pixels.channels != 1 || pixels.bits != 16 || options.lzw || !options.mosaic->is_valid()))
+    return fail("the mosaic cannot be encoded");
   std::vector<std::uint8_t> bytes;
   TiffMemory memory{.bytes = {}, .written = &bytes, .at = 0};
   OpenTiff tiff = open_tiff(memory);

@@ -31,6 +31,11 @@ void try_reader(strobe::Result<Raster> (*decode)(Bytes), Bytes bytes) {
   if (std::int64_t{raster->width()} * raster->height() > kMaxWritten) return;
   require_same(*raster, encode_png(raster->pixels()), decode_png);
   require_same(*raster, encode_tiff(raster->pixels(), {.lzw = true}), decode_tiff);
+  if (!raster->mosaic) return;
+  require(raster->mosaic->is_valid() && !is_camera_raw(bytes));
+  const auto again = encode_tiff(raster->pixels(), {.mosaic = raster->mosaic});
+  require_same(*raster, again, decode_tiff);
+  require(decode_tiff(*again)->mosaic == raster->mosaic);
 }
 
 }  // namespace
@@ -38,5 +43,6 @@ void try_reader(strobe::Result<Raster> (*decode)(Bytes), Bytes bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const Bytes bytes(data, size);
   for (const auto reader : {decode, decode_tiff, decode_jpeg, decode_png}) try_reader(reader, bytes);
+  is_camera_raw(bytes);
   return 0;
 }

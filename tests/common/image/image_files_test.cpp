@@ -185,6 +185,12 @@ TEST(ImageFiles, OfTiffAreTurnedAsTheirTagSays) {
         {3, 8, [&](int x, int y, int c) { return number_at(palette, w(y), x, c); }}, true);
 }
 
+TEST(ImageFiles, OfAMosaicHaveTheSensorsNumbers) {
+  const Raster mosaic = read("mosaic.tif");
+  check("mosaic.tif", mosaic, kWide);
+  CHECK(mosaic.mosaic == Mosaic({{Mosaic::kGreen, Mosaic::kRed, Mosaic::kBlue, Mosaic::kGreen}, 128, 65535}));
+}
+
 TEST(ImageFiles, OfPngAndJpegAreNotTurnedButTellHowTheCameraWasHeld) {
   const Raster png = read("grey8_turned.png");
   check("grey8_turned.png", png, kGrey);

@@ -108,7 +108,7 @@ def tagged(name, source, tag, value):
     subprocess.run(["tiffset", "-s", str(tag), str(value), path(name)], check=True)
 
 
-def bare_tiff(name, bits, data, samples=1, meaning=1, form=None, planes=1):
+def bare_tiff(name, bits, data, samples=1, meaning=1, form=None, planes=1, further=()):
     """Little-endian, one strip, or one for each plane."""
     size = len(data) // planes
     data += b"\0" * (len(data) % 2)
@@ -120,6 +120,7 @@ def bare_tiff(name, bits, data, samples=1, meaning=1, form=None, planes=1):
     entries += [(273, 4, planes, starts), (277, 3, 1, samples), (278, 4, 1, H), (279, 4, planes, sizes)]
     entries += [(284, 3, 1, 2)] if planes > 1 else []
     entries += [(339, 3, 1, form)] if form else []
+    entries += further
     directory = struct.pack("<H", len(entries))
     for entry in entries:
         directory += struct.pack("<HHII", *entry)
@@ -164,6 +165,9 @@ def tiffs():
     bare_tiff("grey10_packed.tif", 10, packed(10, lambda x, y: wide(x, y) >> 6))
     bare_tiff("grey4.tif", 4, packed(4, lambda x, y: grey(x, y) >> 4))
     bare_tiff("floats.tif", 32, b"".join(struct.pack("<f", x) for x in range(W * H)), form=3)
+    # Green, red; blue, green; black level and white level.
+    pattern = [(33421, 3, 2, 0x20002), (33422, 1, 4, 0x01020001), (50714, 3, 1, 128), (50717, 3, 1, 65535)]
+    bare_tiff("mosaic.tif", 16, b"".join(struct.pack("<H", wide(i % W, i // W)) for i in range(W * H)), meaning=32803, further=pattern)
     # With a tag whose value the tests change.
     tagged("turned.tif", "grey16_tiff_lzw.tif", 274, 2)
     tagged("turned6_colour.tif", "colour8_tiff_adobe_deflate.tif", 274, 6)

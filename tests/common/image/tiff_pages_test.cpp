@@ -67,9 +67,8 @@ TEST_GROUP(TiffPages) {
 };
 
 // As Nikon and Sony write them: the sensor's numbers below a thumbnail; a preview of full size may be beside them.
-TEST(TiffPages, OfACamerasRawFileAreRefusedWithWhatToDo) {
-  const std::string why =
-      "it is a camera's RAW file: convert it to a linear TIFF (dcraw_emu -4 -T -t 0 -o 0 FILE)";
+TEST(TiffPages, OfACamerasRawFileAreRefused) {
+  const std::string why = "it is a camera's RAW file, of which strobe-raw makes a mosaic TIFF";
   Page first = kThumbnail;
   first.below = 2;
   check_refused(why, {first, {400, 300, FILETYPE_REDUCEDIMAGE, PHOTOMETRIC_RGB}, kMosaic});
