@@ -28,11 +28,14 @@ struct RunOptions {
   std::string lcm_url;
   std::string key_file;  ///< of the lab; empty: where strobe looks for it
   std::string rig_name = "bench";
-  std::string chip_dir;      ///< empty: a temporary folder
-  std::string truth_file;    ///< empty: none
-  std::string changes_file;  ///< empty: none
-  std::string photographs;   ///< folder for the camera's files; empty: none are made
-  std::string rig_file;      ///< to write before the command starts; empty: none
+  std::string chip_dir;        ///< empty: a temporary folder
+  std::string truth_file;      ///< empty: none
+  std::string changes_file;    ///< empty: none
+  bool gev_camera = false;     ///< a GigE Vision device in place of the folder
+  bool ptp_camera = false;     ///< one that speaks PTP/IP
+  std::string camera_address;  ///< its
+  std::string photographs;     ///< folder for the camera's files; empty: none are made
+  std::string rig_file;        ///< to write before the command starts; empty: none
   bool digitizer = true;
   gpio::Pace pace = gpio::Pace::wall;
   std::optional<std::int64_t> clock_start_s;  ///< of rig time: a run that repeats to the byte
@@ -89,6 +92,7 @@ int effects_command(const EffectsOptions& options);
 
 struct PhotographOptions : SimulatedOptions {
   std::string folder;
+  std::optional<PhotographFormat> format;  ///< in place of the scene's
   bool json = false;
 };
 /// Writes photographs of simulated shots, and the truth about them.

@@ -8,6 +8,7 @@
 #include "common/messages/channels.hpp"
 #include "common/wire/lcm_url.hpp"
 #include "sim/commands/commands.hpp"
+#include "sim/gev/gev_camera.hpp"
 #include "sim/gpiochip/chip.hpp"
 
 namespace strobe::sim {
@@ -53,6 +54,17 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
   run->add_option("--changes", options.changes_file, "Write every change of every line as CSV");
   run->add_option("--photographs", options.photographs,
                   "Folder for a photograph of each exposure; no tablet operator then");
+  auto* const camera = run->add_option_function<std::string>(
+      "--camera",
+      [&options](const std::string& kind) {
+        options.gev_camera = kind == "gev";
+        options.ptp_camera = kind == "ptp";
+      },
+      "On the loopback: GigE Vision or PTP/IP; no tablet operator then");
+  camera->check(CLI::IsMember({"folder", "gev", "ptp"}))->default_str("folder");
+  run->add_option("--camera-address", options.camera_address, "IPv4 address of that camera, 127.x.y.z")
+      ->check(gev::address_problem)
+      ->capture_default_str();
   run->add_option(
       "--write-rig", options.rig_file,
       "Write a rig file that fits the scene, for strobed --config and strobe fire --rig; a file that "
@@ -75,8 +87,8 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
   run->add_flag("--no-digitizer", no_digitizer, "Photographs are not digitized; no LCM is needed");
   run->add_option("command", options.command,
                   "Command and its arguments, after --; may be left out with --write-rig");
-  command_line::for_experts(
-      *run, {"--lcm-url", "--key-file", "--rig", "--changes", "--tolerance", "--no-digitizer"});
+  command_line::for_experts(*run, {"--lcm-url", "--key-file", "--rig", "--changes", "--tolerance",
+                                   "--no-digitizer", "--camera-address"});
 }
 
 void add_shoot(CLI::App& app, ShootOptions& options, bool& as_json) {
@@ -108,6 +120,15 @@ void add_photograph(CLI::App& app, PhotographOptions& options) {
       "Example: strobe-sim photograph --scene zero_23 --shots 3 --seed 42 --out photographs");
   add_shots(*photograph, options);
   photograph->add_option("--out", options.folder, "Folder for the photographs, made if missing")->required();
+  photograph
+      ->add_option("--format", options.format,
+                   "tiff, png, dng (a colour camera's RAW file) or mosaic (its numbers as TIFF), in place of "
+                   "the scene's")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, PhotographFormat>{{"tiff", PhotographFormat::tiff},
+                                                  {"png", PhotographFormat::png},
+                                                  {"dng", PhotographFormat::dng},
+                                                  {"mosaic", PhotographFormat::mosaic}}));
   add_train(*photograph, options);
   photograph->add_flag("--json", options.json, "Print the lines of truth instead of the files' names");
 }
@@ -188,6 +209,7 @@ int run_program(int argc, char** argv) {
       "Exit status: 0 done, 1 ran but failed, 2 bad usage or input; of `run` its command's.");
 
   RunOptions options;
+  options.camera_address = gev::kDefaultAddress;
   options.lcm_url = messages::kDefaultLcmUrl;
   bool no_digitizer = false;
   add_run(app, options, no_digitizer);
@@ -211,13 +233,16 @@ int run_program(int argc, char** argv) {
   BoardOptions boards;
   add_board(app, boards);
 
-  std::string chip_dir;
+  // One for each: CLI11 gives $STROBE_GPIOCHIP_DIR to those, too, that are not on the command line.
+  std::map<std::string, std::string> chip_dirs;
   std::string after;
   std::vector<std::string> words;
-  const auto at_rig = [&app, &chip_dir](const char* name, const char* what, const char* footer) {
+  const auto at_rig = [&app, &chip_dirs](const char* name, const char* what, const char* footer) {
     CLI::App* command = app.add_subcommand(name, what);
     command->footer(footer);
-    command->add_option("--chip-dir", chip_dir, "The chip's folder")->envname(kChipDirVariable)->required();
+    command->add_option("--chip-dir", chip_dirs[name], "The chip's folder")
+        ->envname(kChipDirVariable)
+        ->required();
     return command;
   };
   const auto takes_command = [&words](CLI::App* command) {
@@ -296,12 +321,12 @@ int run_program(int argc, char** argv) {
   if (app.got_subcommand("effects")) return effects_command(effects);
   if (app.got_subcommand("photograph")) return photograph_command(photographs);
   if (app.got_subcommand("board")) return board_command(boards);
-  if (lines->parsed()) return lines_command(chip_dir, as_json);
-  if (drive->parsed()) return drive_command(chip_dir, words, after);
-  if (join->parsed()) return join_command(chip_dir, words);
-  if (obey->parsed()) return operator_command(chip_dir, words);
-  if (clock->parsed()) return clock_command(chip_dir, clocks, after);
-  if (unplug->parsed()) return unplug_command(chip_dir, after);
+  if (lines->parsed()) return lines_command(chip_dirs["lines"], as_json);
+  if (drive->parsed()) return drive_command(chip_dirs["drive"], words, after);
+  if (join->parsed()) return join_command(chip_dirs["join"], words);
+  if (obey->parsed()) return operator_command(chip_dirs["operator"], words);
+  if (clock->parsed()) return clock_command(chip_dirs["clock"], clocks, after);
+  if (unplug->parsed()) return unplug_command(chip_dirs["unplug"], after);
   if (fit->parsed()) return fit_command(tables, folder, as_json);
   return run_command(options);
 }

@@ -11,12 +11,14 @@
 #include "common/config/files.hpp"
 #include "common/messages/channels.hpp"
 #include "sim/commands/commands.hpp"
+#include "sim/gev/gev_camera.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "sim/live/child_process.hpp"
 #include "sim/live/rig_runner.hpp"
 #include "sim/live/tablet_operator.hpp"
 #include "sim/live/tethered_camera.hpp"
 #include "sim/loading/load_scene.hpp"
+#include "sim/ptp/ptp_camera.hpp"
 #include "sim/rig_file/rig_file.hpp"
 #include "sim/scene/model.hpp"
 
@@ -109,6 +111,20 @@ class Session {
       session->photographer_ = std::move(*tethered_camera);
       session->truth_->include_photographs(seed);
     }
+    if (options.gev_camera) {
+      auto camera =
+          gev::GevCamera::create(options.camera_address, scene, seed, session->exposure_store_, clock);
+      if (!camera) return tl::unexpected(camera.error());
+      session->gev_camera_ = std::move(*camera);
+      session->truth_->include_photographs(seed);
+    }
+    if (options.ptp_camera) {
+      auto camera =
+          ptp::PtpCamera::create(options.camera_address, scene, seed, session->exposure_store_, clock);
+      if (!camera) return tl::unexpected(camera.error());
+      session->ptp_camera_ = std::move(*camera);
+      session->truth_->include_photographs(seed);
+    }
     if (auto made = options.changes_file.empty() ? Result<void>() : write_changes(options.changes_file, {});
         !made)
       return tl::unexpected(made.error());
@@ -121,10 +137,13 @@ class Session {
                                                     session->exposure_store_, *session->truth_, clock);
       if (!tablet_operator) return tl::unexpected(tablet_operator.error());
       session->tablet_operator_ = std::move(*tablet_operator);
-      if (!options.photographs.empty()) session->tablet_operator_->listen_only();
+      if (!options.photographs.empty() || options.gev_camera || options.ptp_camera)
+        session->tablet_operator_->listen_only();
       session->tablet_operator_->start();
     }
     session->runner_->start();
+    if (session->gev_camera_) session->gev_camera_->start(options.pace == gpio::Pace::machine);
+    if (session->ptp_camera_) session->ptp_camera_->start(options.pace == gpio::Pace::machine);
     if (session->photographer_) session->photographer_->start(options.pace == gpio::Pace::machine);
     return session;
   }
@@ -138,12 +157,14 @@ class Session {
     runner_->stop();
     if (tablet_operator_) tablet_operator_->stop();
     for (const auto& exposure : exposure_store_.all()) truth_->write(*exposure, 0);
+    if (gev_camera_) gev_camera_->stop();
     const auto photographs = photographer_ ? photographer_->stop() : Result<void>{};
+    const auto card = ptp_camera_ ? ptp_camera_->stop() : Result<void>{};
     const auto changes = options_.changes_file.empty()
                              ? Result<void>{}
                              : write_changes(options_.changes_file, runner_->changes());
     const auto truth = truth_->close();
-    return !photographs ? photographs : !changes ? changes : truth;
+    return !photographs ? photographs : !card ? card : !changes ? changes : truth;
   }
 
  private:
@@ -155,6 +176,8 @@ class Session {
   std::unique_ptr<RigRunner> runner_;
   std::unique_ptr<TabletOperator> tablet_operator_;
   std::unique_ptr<TetheredCamera> photographer_;
+  std::unique_ptr<gev::GevCamera> gev_camera_;
+  std::unique_ptr<ptp::PtpCamera> ptp_camera_;
 };
 
 /// The firmware's train is not known in advance: the model is chosen for the usual one.
@@ -163,11 +186,22 @@ constexpr ShootSettings kUsualTrain{.period = milliseconds(3), .exposure = milli
 Result<void> write_rig_of(const RunOptions& options, const Scene& scene) {
   if (options.rig_file.empty()) return {};
   const std::string url = options.lcm_url == messages::kDefaultLcmUrl ? "" : options.lcm_url;
-  return write_rig_file(options.rig_file, scene,
-                        {.rig_name = options.rig_name,
-                         .lcm_url = url,
-                         .key_file = options.key_file,
-                         .photographs = options.photographs});
+  RigFileSettings settings;
+  settings.rig_name = options.rig_name;
+  settings.lcm_url = url;
+  settings.key_file = options.key_file;
+  settings.photographs = options.photographs;
+  if (options.gev_camera) {
+    settings.camera_kind = "genicam";
+    settings.camera_address = options.camera_address;
+    settings.camera_serial = gev::serial_of(options.camera_address);
+  }
+  if (options.ptp_camera) {
+    settings.camera_kind = "gphoto2";
+    settings.camera_address = "ptpip:" + options.camera_address;
+    settings.camera_serial = ptp::serial_of(options.camera_address);
+  }
+  return write_rig_file(options.rig_file, scene, settings);
 }
 
 }  // namespace

@@ -42,8 +42,8 @@ Result<std::string> take(Shooter& shooter, const PhotographOptions& options, int
   const auto photograph = render(scene, result.exposure, appearance);
   if (!photograph) return tl::unexpected(photograph.error());
   const std::string name = fmt::format("shot_{:04}{}", shot, extension(scene.photograph.format));
-  if (auto written =
-          write_photograph(fs::path(options.folder) / name, photograph->pixels, scene.photograph.format);
+  if (auto written = write_photograph(fs::path(options.folder) / name, photograph->pixels,
+                                      scene.photograph.format, std::nullopt, photograph->mosaic);
       !written)
     return tl::unexpected(written.error());
   if (!options.json) {
@@ -104,8 +104,11 @@ int shoot_command(const ShootOptions& options) {
 
 int photograph_command(const PhotographOptions& options) {
   if (options.shots < 1) return report_error("--shots: must be 1 or more", 2);
-  const auto scene = load_scene(options.scene);
+  auto scene = load_scene(options.scene);
   if (!scene) return report_error(scene.error().message, 2);
+  if (options.format) scene->photograph.format = *options.format;
+  if (is_mosaic(scene->photograph.format) && scene->photograph.bits == 8)
+    scene->photograph.bits = kMosaicBits;
   auto shooter = make_shooter(options, *scene, Model::full(), options.settings());
   if (!shooter) return report_error(shooter.error().message, 2);
   std::error_code error;

@@ -345,7 +345,8 @@ void RigClock::sleep_for(Duration duration) const { static_cast<void>(poll(nullp
 int RigClock::poll(struct pollfd* polled, nfds_t count, Duration timeout) const {
   const std::int64_t timeout_ns = to_ns(MonoTime{} + timeout);
   if (state_ != nullptr && gpio::is_kept(*state_)) return gpio::wait_for(*state_, polled, count, timeout_ns);
-  return ::poll(polled, count, static_cast<int>(timeout_ns / 1'000'000));
+  const timespec limit = gpio::sys::to_timespec(std::max<std::int64_t>(timeout_ns, 0));
+  return ::ppoll(polled, count, &limit, nullptr);
 }
 
 std::uint64_t RigClock::seed() const { return state_ != nullptr ? state_->time.seed : 0; }

@@ -94,7 +94,8 @@ fs::path TetheredCamera::next_path() {
 void TetheredCamera::photograph(const Exposure& exposure) {
   const auto photograph = render(scene_, seed_, exposure);
   const Result<void> written =
-      photograph ? write_photograph(next_path(), photograph->pixels, scene_.photograph.format, clock_.wall())
+      photograph ? write_photograph(next_path(), photograph->pixels, scene_.photograph.format, clock_.wall(),
+                                    photograph->mosaic)
                  : Result<void>(tl::unexpected(photograph.error()));
   if (!written && outcome_) outcome_ = written;
 }

@@ -185,6 +185,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file_name, c
   scene.hand = tables::read_hand(root.table("hand"));
   scene.gate.distance_m = root.table("gate").number_or("distance_m", scene.gate.distance_m, {0.1, 20.0});
   scene.camera = tables::read_camera(root.table("camera"), scene.ball);
+  scene.camera_link = tables::read_camera_link(root.table("camera_link"));
   scene.tablet = tables::read_tablet(root.table("tablet"));
   scene.photograph = tables::read_photograph(root.table("photograph"));
   scene.ball_appearance = tables::read_ball_appearance(root.table("ball_appearance"));

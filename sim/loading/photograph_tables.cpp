@@ -21,8 +21,17 @@ int side(TomlTable& table, std::string_view key) {
 
 int bits(TomlTable& table, int fallback) {
   const auto number = static_cast<int>(table.integer_or("bits", fallback, {8, 16}));
-  if (number != 8 && number != 12 && number != 16) table.error_at("bits", "must be 8, 12 or 16");
+  if (number != 8 && number != 12 && number != 14 && number != 16)
+    table.error_at("bits", "must be 8, 12, 14 or 16");
   return number;
+}
+
+PhotographFormat format(TomlTable& table) {
+  const std::string name = table.choice_or("format", "tiff", {"tiff", "png", "dng", "mosaic"});
+  return name == "png"      ? PhotographFormat::png
+         : name == "dng"    ? PhotographFormat::dng
+         : name == "mosaic" ? PhotographFormat::mosaic
+                            : PhotographFormat::tiff;
 }
 
 }  // namespace
@@ -31,9 +40,9 @@ PhotographSettings read_photograph(TomlTable table) {
   PhotographSettings p;
   p.width_px = side(table, "width_px");
   p.height_px = side(table, "height_px");
-  p.format = table.choice_or("format", "tiff", {"tiff", "png"}) == "png" ? PhotographFormat::png
-                                                                         : PhotographFormat::tiff;
-  p.bits = bits(table, p.bits);
+  p.format = format(table);
+  p.bits = bits(table, is_mosaic(p.format) ? kMosaicBits : p.bits);
+  if (is_mosaic(p.format) && p.bits == 8) table.error_at("bits", "must be 12, 14 or 16 of a mosaic");
   p.exposure = table.number_or("exposure", p.exposure, {0.01, 100.0});
   p.gamma = table.number_or("gamma", p.gamma, {0.3, 3.0});
   p.full_well_e = table.number_or("full_well_e", p.full_well_e, {100.0, 1e6});

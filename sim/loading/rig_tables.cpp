@@ -15,6 +15,7 @@ using config::TomlTable;
 /// A point at the share r of the view's half diagonal is seen at r + k·r³, which must grow with r: k > -1/3.
 constexpr double kMinDistortion = -0.3;
 constexpr double kMinTolerance = 1e-9;
+constexpr double kMega = 1e6;
 
 void read_lens(TomlTable& table, CameraSettings& c, const ball::Ball& ball) {
   if (const auto distance_m = table.optional_number("distance_m", Range{0.1, 1000.0}))
@@ -103,6 +104,31 @@ CameraSettings read_camera(TomlTable table, const ball::Ball& ball) {
   c.mirrored = table.boolean_or("mirrored", c.mirrored);
   read_lens(table, c, ball);
   return c;
+}
+
+CameraLinkSettings read_camera_link(TomlTable table) {
+  CameraLinkSettings l;
+  const std::string pixels =
+      table.choice_or("pixel_format", "Mono8", {"Mono8", "Mono12", "Mono16", "BayerRG12"});
+  if (pixels == "Mono12") l.pixels = CameraPixels::mono12;
+  if (pixels == "Mono16") l.pixels = CameraPixels::mono16;
+  if (pixels == "BayerRG12") l.pixels = CameraPixels::bayer_rg12;
+  l.rate_bps = table.number_or("rate_mbps", l.rate_bps / kMega, {10.0, 1e5}) * kMega;
+  l.readout_s = table.number_or("readout_ms", l.readout_s / kMilli, {0.0, 1000.0}) * kMilli;
+  l.exposure_step_s = table.number_or("exposure_step_us", l.exposure_step_s / kMicro, {0.1, 1e5}) * kMicro;
+  l.loss = table.number_or("loss", l.loss, {0.0, 1.0});
+  l.resend_loss = table.number_or("resend_loss", l.resend_loss, {0.0, 1.0});
+  l.drop = table.number_or("drop", l.drop, {0.0, 1.0});
+  l.clock_offset_s = table.number_or("clock_offset_s", l.clock_offset_s, {0.0, 1e6});
+  l.clock_drift_ppm = table.number_or("clock_drift_ppm", l.clock_drift_ppm, {-1000.0, 1000.0});
+  const std::string hostile =
+      table.choice_or("hostile", "none", {"none", "xml", "sizes", "payload", "endless"});
+  using Hostile = CameraLinkSettings::Hostile;
+  if (hostile == "xml") l.hostile = Hostile::xml;
+  if (hostile == "sizes") l.hostile = Hostile::sizes;
+  if (hostile == "payload") l.hostile = Hostile::payload;
+  if (hostile == "endless") l.hostile = Hostile::endless;
+  return l;
 }
 
 TabletSettings read_tablet(TomlTable table) {

@@ -32,6 +32,7 @@ SensorSettings read_sensors(config::TomlTable table);
 ShutterSettings read_shutter(config::TomlTable table);
 HandSettings read_hand(config::TomlTable table);
 CameraSettings read_camera(config::TomlTable table, const ball::Ball& ball);
+CameraLinkSettings read_camera_link(config::TomlTable table);
 TabletSettings read_tablet(config::TomlTable table);
 ReadoutSettings read_readout(config::TomlTable table);
 ChipSettings read_chip(config::TomlTable table);

@@ -16,6 +16,8 @@
 #include "common/image/opencv.hpp"
 #include "sim/photograph/background.hpp"
 #include "sim/photograph/ball_surface.hpp"
+#include "sim/photograph/colours.hpp"
+#include "sim/photograph/dng.hpp"
 #include "sim/photograph/lit_balls.hpp"
 #include "sim/random/draws.hpp"
 
@@ -82,7 +84,7 @@ template <typename Number>
 void develop_row(const float* light, Number* numbers, int row, int width, int height,
                  const PhotographSettings& s, const Appearance& appearance) {
   static const NormalTable normal;
-  const float top = s.bits == 8 ? 255.0F : s.bits == 12 ? 4095.0F : 65535.0F;
+  const auto top = static_cast<float>((1 << s.bits) - 1);
   const auto per_electron = static_cast<float>(1.0 / s.full_well_e);
   const auto read = static_cast<float>(s.read_noise_e * s.read_noise_e * per_electron * per_electron);
   const auto black = static_cast<float>(s.black_level);
@@ -102,10 +104,14 @@ void develop_row(const float* light, Number* numbers, int row, int width, int he
   }
 }
 
-Result<std::vector<std::uint8_t>> encode(const cv::Mat& pixels, PhotographFormat format) {
+Result<std::vector<std::uint8_t>> encode(const cv::Mat& pixels, PhotographFormat format,
+                                         const std::optional<image::Mosaic>& mosaic) {
   const bool known = pixels.type() == CV_8UC1 || pixels.type() == CV_16UC1;
   if (!known) return fail("cannot be encoded");
   const image::Pixels grey = image::pixels_of(pixels);
+  if (is_mosaic(format) && (!mosaic || pixels.type() != CV_16UC1)) return fail("is no mosaic");
+  if (format == PhotographFormat::dng) return encode_dng(grey, *mosaic);
+  if (format == PhotographFormat::mosaic) return image::encode_tiff(grey, {.mosaic = mosaic});
   return format == PhotographFormat::png ? image::encode_png(grey) : image::encode_tiff(grey);
 }
 
@@ -128,9 +134,26 @@ Result<Photograph> render(const Scene& scene, const Exposure& exposure, const Ap
     add_balls(scene, appearance, images, all, behind, light);
     add_balls(scene, appearance, more_lit_balls(scene, exposure, appearance), all, behind, light);
   }
-  light = light * (kUsualLight * scene.photograph.exposure) + scene.photograph.ambient;
-  blur(light, appearance.blur_px, scene.photograph.defocus_px);
+  const auto exposed = [&](cv::Mat& of, double ambient) {
+    of = of * (kUsualLight * scene.photograph.exposure) + ambient;
+    blur(of, appearance.blur_px, scene.photograph.defocus_px);
+  };
   Photograph photograph;
+  if (is_mosaic(scene.photograph.format)) {
+    cv::Mat balls(light.size(), CV_32FC1, cv::Scalar(0.0));
+    const cv::Mat nothing(light.size(), CV_32FC1, cv::Scalar(0.0));
+    if (all[0] + all[1] > 0.0) {
+      add_balls(scene, appearance, images, all, nothing, balls);
+      add_balls(scene, appearance, more_lit_balls(scene, exposure, appearance), all, nothing, balls);
+    }
+    light -= balls;
+    exposed(balls, 0.0);
+    exposed(light, scene.photograph.ambient);
+    photograph.mosaic = mosaic_of(scene.photograph);
+    colour_pixels(*photograph.mosaic, ball_colour(scene.ball_appearance.surface), balls, light);
+  } else {
+    exposed(light, scene.photograph.ambient);
+  }
   photograph.pixels = develop(light, scene.photograph, appearance);
   photograph.truth = photograph_truth(scene, exposure, appearance, images);
   return photograph;
@@ -162,11 +185,14 @@ cv::Mat develop(const cv::Mat& light, const PhotographSettings& settings, const 
   return numbers;
 }
 
-std::string extension(PhotographFormat format) { return format == PhotographFormat::png ? ".png" : ".tif"; }
+std::string extension(PhotographFormat format) {
+  return format == PhotographFormat::png ? ".png" : format == PhotographFormat::dng ? ".dng" : ".tif";
+}
 
 Result<void> write_photograph(const std::filesystem::path& path, const cv::Mat& pixels,
-                              PhotographFormat format, std::optional<WallTime> written) {
-  const auto bytes = encode(pixels, format);
+                              PhotographFormat format, std::optional<WallTime> written,
+                              const std::optional<image::Mosaic>& mosaic) {
+  const auto bytes = encode(pixels, format, mosaic);
   if (!bytes) return fail(path.string() + ": " + bytes.error().message);
   const std::filesystem::path part = path.string() + ".part";
   std::ofstream file(part, std::ios::binary);

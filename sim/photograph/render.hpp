@@ -1,7 +1,8 @@
 // Renders the photograph of one exposure, with the truth about it. Light adds up: the background is lit by
 // every flash; a ball adds its own light at its flash and hides the background for that one flash:
 //   I = sum over flashes of B_k + sum over images of (S_k - B_k) within the ball's outline,
-// then blurred by the lens, vignetted, and developed with noise to the file's bits.
+// then blurred by the lens, vignetted, and developed with noise to the file's bits. Of a mosaic each pixel
+// has its own colour's share of that (sim/photograph/colours.hpp).
 //
 // Deterministic for any number of threads: the same scene, exposure and appearance give the same numbers.
 // Thread-safe; allocates (some 60 MB for 5 megapixels); uses OpenCV's threads.
@@ -12,6 +13,7 @@
 #include <optional>
 #include <string>
 
+#include "common/image/raster.hpp"
 #include "common/result.hpp"
 #include "common/units/time.hpp"
 #include "sim/photograph/appearance.hpp"
@@ -25,7 +27,8 @@ namespace strobe::sim {
 inline constexpr double kMaxPixels = 120e6;
 
 struct Photograph {
-  cv::Mat pixels;  ///< rows from the top; CV_8UC1 for 8 bits, CV_16UC1 for 12 and 16
+  cv::Mat pixels;                       ///< rows from the top; CV_8UC1 for 8 bits, else CV_16UC1
+  std::optional<image::Mosaic> mosaic;  ///< of the formats that have one
   PhotographTruth truth;
 };
 
@@ -47,12 +50,13 @@ cv::Mat develop(const cv::Mat& light, const PhotographSettings& settings, const 
 // Photographs as files, written as a tethered camera does: under a temporary name without an image's
 // extension, then renamed. Thread-safe for different files; writes files.
 
-/// ".tif" or ".png"
+/// ".tif", ".png" or ".dng"
 std::string extension(PhotographFormat format);
 
-/// Uncompressed TIFF, or PNG. The file appears complete under its name, over an older one. `written`: its
+/// `mosaic`: of those formats. The file appears complete under its name, over an older one. `written`: its
 /// time of last change, the machine's if none is given. The error names the file.
 Result<void> write_photograph(const std::filesystem::path& path, const cv::Mat& pixels,
-                              PhotographFormat format, std::optional<WallTime> written = std::nullopt);
+                              PhotographFormat format, std::optional<WallTime> written = std::nullopt,
+                              const std::optional<image::Mosaic>& mosaic = std::nullopt);
 
 }  // namespace strobe::sim

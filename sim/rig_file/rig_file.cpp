@@ -112,12 +112,12 @@ std::string ball_table(const Scene& scene) {
          "\n";
 }
 
-std::string analysis_table(const Scene& scene) {
+std::string analysis_table(const Scene& scene, bool network_camera) {
   const double lag_sd_ms = 1e3 * scene.machine.lag_sd_s;
   return "[analysis]\n" +
          line("surface_angle_deg = " + number(scene.surface_angle_rad * 180.0 / std::numbers::pi),
               "inclination of the plate") +
-         line("photograph_timeout_s = 60.0", "the camera renders its photographs") +
+         (network_camera ? "" : line("photograph_timeout_s = 60.0", "the camera renders its photographs")) +
          (lag_sd_ms >= 0.01 ? line("machine_lag_sd_ms = " + number(std::min(lag_sd_ms, 1000.0)),
                                    "of the machine's lag, from shot to shot")
                             : "") +
@@ -166,10 +166,20 @@ std::string lens_entries(const Scene& scene, const SensorSize& sensor) {
   return text;
 }
 
-std::string camera_table(const Scene& scene, const fs::path& photographs) {
+std::string device_entries(const RigFileSettings& settings) {
+  if (settings.camera_address.empty()) return "";
+  const char* what = settings.camera_kind == "genicam" ? "GigE Vision or USB3 Vision" : "by libgphoto2";
+  return line("kind = " + quoted(settings.camera_kind), what) + "serial = " + quoted(settings.camera_serial) +
+         "\n" + line("address = " + quoted(settings.camera_address), "where it is looked for") +
+         line("exposure = \"line\"", "while the shutter's line is active");
+}
+
+std::string camera_table(const Scene& scene, const RigFileSettings& settings) {
+  const fs::path& photographs = settings.photographs;
   const SensorSize sensor = sensor_size(scene);
   const double px_per_m = scene.camera.px_per_m;
   return "# As a calibration with a printed board leaves it (strobe calibrate).\n[camera]\n" +
+         device_entries(settings) +
          (photographs.empty()
               ? ""
               : line("folder = " + quoted(photographs.string()), "where photographs arrive")) +
@@ -210,8 +220,8 @@ std::string rig_file_text(const Scene& scene, const RigFileSettings& settings) {
           hardware_tables(scene, timing) + plan_table(timing);
   if (!settings.key_file.empty())
     text += "[commands]\n" + line("key_file = " + quoted(settings.key_file.string()), "the lab's key") + "\n";
-  return text + ball_table(scene) + analysis_table(scene) + camera_table(scene, settings.photographs) +
-         record_table(scene) + report_tables(scene);
+  return text + ball_table(scene) + analysis_table(scene, settings.camera_kind == "genicam") +
+         camera_table(scene, settings) + record_table(scene) + report_tables(scene);
 }
 
 Result<void> write_rig_file(const fs::path& file, const Scene& scene, RigFileSettings settings) {

@@ -11,10 +11,12 @@
 namespace strobe::sim {
 
 struct RigFileSettings {
-  std::string rig_name = "bench";     ///< in the LCM channels
-  std::string lcm_url;                ///< empty: the default
-  std::filesystem::path key_file;     ///< of the lab; empty: where strobe looks for it
-  std::filesystem::path photographs;  ///< the camera's folder; empty: none, a person digitizes them
+  std::string rig_name = "bench";       ///< in the LCM channels
+  std::string lcm_url{};                ///< empty: the default
+  std::filesystem::path key_file{};     ///< of the lab; empty: where strobe looks for it
+  std::filesystem::path photographs{};  ///< the camera's folder; empty: none, a person digitizes them
+  /// As the host names them; an empty address: photographs come into the folder by themselves.
+  std::string camera_kind{}, camera_address{}, camera_serial{};
 };
 
 /// Lines, delays, lags, ball, camera and plan of the scene, each with its unit and a remark. Where balls are

@@ -27,7 +27,8 @@ bool concerns_a_lamp(FaultKind kind) {
 bool has_delay(FaultKind kind) {
   return kind == FaultKind::flash_late || kind == FaultKind::flash_double ||
          kind == FaultKind::sensor_bounce || kind == FaultKind::gate_chatter ||
-         kind == FaultKind::frame_late || kind == FaultKind::machine_double;
+         kind == FaultKind::frame_late || kind == FaultKind::machine_double ||
+         kind == FaultKind::camera_vanishes;
 }
 
 FaultKind read_kind(config::TomlTable& table) {
@@ -54,7 +55,7 @@ void read_place(config::TomlTable& table, Fault& fault) {
 }
 
 Duration read_delay(config::TomlTable& table, FaultKind kind) {
-  if (kind == FaultKind::frame_late) {
+  if (kind == FaultKind::frame_late || kind == FaultKind::camera_vanishes) {
     const double delay_s = table.number("delay_s", {0.0, kMaxDelay_s});
     return nanoseconds(std::llround(delay_s * 1e9));
   }

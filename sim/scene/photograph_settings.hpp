@@ -7,7 +7,18 @@
 
 namespace strobe::sim {
 
-enum class PhotographFormat { tiff, png };
+enum class PhotographFormat {
+  tiff,  ///< uncompressed
+  png,
+  dng,     ///< the RAW file of a camera with a Bayer mosaic
+  mosaic,  ///< the same numbers as a mosaic TIFF (common/image/image_files.hpp)
+};
+inline bool is_mosaic(PhotographFormat format) {
+  return format == PhotographFormat::dng || format == PhotographFormat::mosaic;
+}
+
+/// Of a mosaic whose scene does not say.
+inline constexpr int kMosaicBits = 14;
 
 /// How a ball's surface looks apart from its line.
 enum class BallSurface {
@@ -21,8 +32,9 @@ enum class BallSurface {
 struct PhotographSettings {
   int width_px = 0;   ///< 16…20000; 0 (key absent): as wide as holds the view and .045 m to the right of it
   int height_px = 0;  ///< likewise, and .035 m above the view
-  PhotographFormat format = PhotographFormat::tiff;  ///< key format = "tiff" (uncompressed) | "png"
-  int bits = 8;                                      ///< 8, 12 (in 16: the largest number is 4095) or 16
+  PhotographFormat format = PhotographFormat::tiff;  ///< key format = "tiff" | "png" | "dng" | "mosaic"
+  /// 8, 12 (in 16: the largest number is 4095), 14 or 16; of a mosaic 14 (key absent), or 12 or 16.
+  int bits = 8;
   double exposure = 1.0;         ///< 0.01…100; at 1 the lightest felt of one image has a light of .45
   double gamma = 1.0;            ///< 0.3…3; the number written is light to this power (.45: as on a screen)
   double full_well_e = 15000.0;  ///< 100…1e6 electrons at a light of 1: the shot noise's sd is 1/sqrt of it

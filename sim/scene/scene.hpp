@@ -186,6 +186,25 @@ struct CameraSettings {
   bool pixels = false;  ///< key rendering = "pixels" | "points": images are rendered and measured there
 };
 
+enum class CameraPixels { mono8, mono12, mono16, bayer_rg12 };
+
+/// [camera_link] The camera as a device on a network (sim/gev), and what is wrong with it.
+struct CameraLinkSettings {
+  CameraPixels pixels =
+      CameraPixels::mono8;         ///< key pixel_format, as it is switched on: "Mono8" | "Mono12" ...
+  double rate_bps = 1e10;          ///< key rate_mbps 10…100,000: of the link; a fast camera's is 10 GigE
+  double readout_s = 0.005;        ///< key readout_ms 0…1000: from the exposure's end to the first packet
+  double exposure_step_s = 10e-6;  ///< key exposure_step_us 0.1…100,000: exposure times are rounded to it
+  double loss = 0.0;               ///< 0…1, share of packets that are lost
+  double resend_loss = 0.0;        ///< 0…1, likewise of those that are sent again
+  double drop = 0.0;               ///< 0…1, share of frames of which nothing is sent
+  double clock_offset_s = 0.0;     ///< 0…1e6, what the camera's clock shows when it is switched on
+  double clock_drift_ppm = 0.0;    ///< -1000…1000, how much faster than the rig's it runs
+  /// Key hostile = "none" | "xml" (a description that explodes) | "sizes" (frames larger than they are told
+  /// to be) | "payload" (told to be of 4 GB) | "endless" (frames without an end).
+  enum class Hostile { none, xml, sizes, payload, endless } hostile = Hostile::none;
+};
+
 /// [tablet] Hand measurement of the photograph. Standard deviations of one coordinate on the object's scale.
 struct TabletSettings {
   double centre_sd_m = 0.0003;
@@ -242,6 +261,7 @@ struct Scene {
   GateSettings gate;
   HandSettings hand;
   CameraSettings camera;
+  CameraLinkSettings camera_link;
   TabletSettings tablet;
   PhotographSettings photograph;  ///< sim/scene/photograph_settings.hpp, as the next two
   BallAppearanceSettings ball_appearance;
