@@ -240,6 +240,10 @@ std::vector<double> TomlTable::numbers_or(std::string_view key, const std::vecto
   return values;
 }
 
+bool TomlTable::is_boolean(std::string_view key) const {
+  return has(key) && node_->table->get(key)->is_boolean();
+}
+
 bool TomlTable::is_integer(std::string_view key) const {
   return has(key) && node_->table->get(key)->is_integer();
 }

@@ -52,6 +52,7 @@ class TomlTable {
   std::vector<double> numbers_or(std::string_view key, const std::vector<double>& fallback, Range range = {});
   bool is_integer(std::string_view key) const;  ///< present and an integer
   bool is_string(std::string_view key) const;
+  bool is_boolean(std::string_view key) const;
   bool is_table(std::string_view key) const;
   /// Line of the key's value in the file, from 1; the table's line if there is no such key; 0 if the table is
   /// absent.

@@ -1,7 +1,8 @@
-# cpack: the Debian packages strobed (firmware) and strobe (host, simulator, message types); see firmware/README.md.
+# cpack: the Debian packages strobed (firmware), strobe (host, simulator, message types) and strobe-camera (drivers of
+# cameras, with the libraries that only they need); see firmware/README.md.
 set(STROBE_PACKAGES strobed)
 if(NOT STROBE_FIRMWARE_ONLY)
-  list(APPEND STROBE_PACKAGES strobe)
+  list(APPEND STROBE_PACKAGES strobe strobe-camera)
 endif()
 
 # What packages of each release depend on differs, so their versions do.
@@ -58,5 +59,11 @@ set(CPACK_DEBIAN_STROBE_DESCRIPTION "strobe fires series of shots at a rig that 
 photographs and shows velocities, spin, restitution and friction after each
 shot. strobe-sim stands in for the rig. The LCM message types are included, also
 as Python modules and, where a JDK was there, as a jar for lcm-spy.")
+set(CPACK_DEBIAN_STROBE_PACKAGE_RECOMMENDS "strobe-camera")
 set(CPACK_DEBIAN_STROBE_PACKAGE_SUGGESTS "strobed, python3-numpy, parallel, liblcm-java")
+
+set(CPACK_DEBIAN_STROBE-CAMERA_PACKAGE_NAME strobe-camera)
+set(CPACK_DEBIAN_STROBE-CAMERA_DESCRIPTION "strobe's drivers of cameras: industrial ones (GigE Vision, USB3 Vision), those that
+libgphoto2 knows, and the decoder of RAW files. Of use where a rig file names
+such a camera, or photographs are RAW files.")
 include(CPack)

@@ -34,6 +34,7 @@ void add_fit_command(CLI::App& app, int& exit_status);
 void add_thesis_command(CLI::App& app, int& exit_status);
 void add_bounces_command(CLI::App& app, int& exit_status);
 void add_report_command(CLI::App& app, int& exit_status);
+void add_camera_command(CLI::App& app, int& exit_status);
 void add_calibrate_command(CLI::App& app, int& exit_status);
 void add_commission_command(CLI::App& app, int& exit_status);
 void add_design_command(CLI::App& app, int& exit_status);

@@ -248,6 +248,9 @@ class SessionKeeper final : public HostListener {
  public:
   SessionKeeper(SessionFolder& folder, Clock& clock) : folder_(folder), clock_(clock) {}
   void on_shot(const strobe_msgs::shot_t& shot) override { folder_.add(shot); }
+  void on_camera(const tether::OpenedEvent& camera) override {
+    folder_.add_camera(tether::to_line(camera), utc_for_table(clock_.read().wall));
+  }
   void on_shot_result(const Shot& result) override {
     if (!result.dry) folder_.add(result, utc_for_table(clock_.read().wall));
   }

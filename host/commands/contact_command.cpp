@@ -294,8 +294,7 @@ void add_contact_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<ContactOptions>();
   CLI::App* command = app.add_subcommand("contact",
                                          "Analyse the images of a ball in contact with the surface: its "
-                                         "motion, the forces and the spin, whether it "
-                                         "grips or slips, and how well a damped spring describes it.");
+                                         "motion, forces, spin, grip or slip, and a damped spring's fit.");
   command
       ->add_option(
           "SET", options->set,

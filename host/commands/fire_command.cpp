@@ -136,6 +136,7 @@ Result<void> set_plan(const FireOptions& options, FireRequest& request) {
   }
   // Who asks for the code by name measures the photographs with the digitizer, be it later.
   const bool digitized = !options.photographs.folder.empty() || request.rig.camera.folder.has_value() ||
+                         request.rig.camera.connection.kind != CameraKind::folder ||
                          options.spacing == "coded";
   SpacedPlan spaced = spaced_plan(plan, request.rig, digitized);
   if (options.plan_path.empty()) request.plan_text = plan_to_toml(spaced.plan);

@@ -363,7 +363,9 @@ int run_fire(const FireRequest& request) {
   if (!link) return failed(link.error().message);
   catch_signals();
   FireRun run(request, *commissioned, **folder, **link, clock, random_host_id(), page->get());
-  auto photographs = open_pipeline(request.rig, request.options.photographs, request.options.session,
+  PhotographOptions photograph_options = request.options.photographs;
+  photograph_options.exposure_s = to_seconds(request.series.plan.exposure);
+  auto photographs = open_pipeline(request.rig, photograph_options, request.options.session,
                                    run.loop().settings().host_id, run.loop().session().clock(), clock.read());
   if (!photographs) return bad_input(photographs.error().message);
   run.loop().set_photographs(std::move(*photographs));

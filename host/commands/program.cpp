@@ -49,6 +49,7 @@ int run_program(int argc, char** argv) {
   add_thesis_command(app, exit_status);
   add_bounces_command(app, exit_status);
   add_design_command(app, exit_status);
+  add_camera_command(app, exit_status);
   add_calibrate_command(app, exit_status);
   add_commission_command(app, exit_status);
   add_batch_command(app, exit_status);

@@ -151,6 +151,40 @@ void read_calibration(TomlTable& table, CameraTable& camera) {
   camera.tilt_deg = table.optional_number("tilt_deg", {0.0, 90.0});
 }
 
+std::map<std::string, std::string> read_settings(TomlTable table) {
+  std::map<std::string, std::string> settings;
+  for (const std::string& key : table.keys()) {
+    if (table.is_string(key)) {
+      settings[key] = table.string(key);
+    } else if (table.is_boolean(key)) {
+      settings[key] = table.boolean_or(key, false) ? "true" : "false";
+    } else if (table.is_integer(key)) {
+      settings[key] = fmt::format("{}", table.integer(key));
+    } else {
+      settings[key] = fmt::format("{}", table.number(key));
+    }
+  }
+  return settings;
+}
+
+CameraConnection read_connection(TomlTable& table) {
+  CameraConnection connection;
+  const std::string kind = table.choice_or("kind", "folder", {"folder", "genicam", "gphoto2"});
+  connection.kind = kind == "genicam"   ? CameraKind::genicam
+                    : kind == "gphoto2" ? CameraKind::gphoto2
+                                        : CameraKind::folder;
+  for (const char* key : {"serial", "address", "exposure", "delete_from_camera", "set"}) {
+    if (connection.kind == CameraKind::folder && table.has(key))
+      table.error_at(key, "needs kind = \"genicam\" or \"gphoto2\"");
+  }
+  connection.serial = table.string_or("serial", "");
+  connection.address = table.string_or("address", "");
+  connection.exposure_by_line = table.choice_or("exposure", "line", {"line", "timed"}) == "line";
+  connection.delete_from_camera = table.boolean_or("delete_from_camera", false);
+  connection.set = read_settings(table.table("set"));
+  return connection;
+}
+
 template <typename Value>
 std::string line(std::string_view key, const std::optional<Value>& value, std::string_view remark = "") {
   return value ? fmt::format("{} = {}{}\n", key, *value, remark) : "";
@@ -171,8 +205,21 @@ std::optional<std::string> quoted(const std::optional<std::string>& text) {
 
 }  // namespace
 
+std::string_view name(CameraKind kind) {
+  switch (kind) {
+    case CameraKind::folder:
+      return "folder";
+    case CameraKind::genicam:
+      return "genicam";
+    case CameraKind::gphoto2:
+      return "gphoto2";
+  }
+  return "";
+}
+
 CameraTable read_camera(TomlTable table) {
   CameraTable camera;
+  camera.connection = read_connection(table);
   camera.folder = optional_text(table, "folder");
   if (camera.folder && camera.folder->empty()) table.error_at("folder", "must not be empty");
   camera.max_age_days = table.number_or("max_age_days", camera.max_age_days, {0.01, 100'000.0});
@@ -188,6 +235,7 @@ Result<CameraTable> with_calibration(const CameraTable& camera, std::string_view
                                      const std::string& file_name) {
   config::TomlReader reader(text, file_name);
   CameraTable calibrated;
+  calibrated.connection = camera.connection;
   calibrated.folder = camera.folder;
   calibrated.max_age_days = camera.max_age_days;
   calibrated.calibration = camera.calibration;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -31,7 +32,26 @@ struct CameraMapError {
   std::array<double, 4> lens_distortion{};
 };
 
+/// How photographs come.
+enum class CameraKind {
+  folder,   ///< something else puts files into a folder
+  genicam,  ///< GigE Vision, USB3 Vision
+  gphoto2,  ///< cameras that libgphoto2 knows
+};
+
+/// Which camera, and how it is to be set.
+struct CameraConnection {
+  CameraKind kind = CameraKind::folder;  ///< key kind = "folder" | "genicam" | "gphoto2"
+  std::string serial;                    ///< empty: the only one there is
+  std::string address;                   ///< IP address, or libgphoto2's port; empty: looked for
+  bool exposure_by_line = true;  ///< key exposure = "line" | "timed", of the plan's length from the line on
+  bool delete_from_camera = false;  ///< once a photograph has been taken over
+  /// [camera.set]: texts, numbers and booleans by the camera's own names, in place of what its driver sets.
+  std::map<std::string, std::string> set;
+};
+
 struct CameraTable {
+  CameraConnection connection;
   std::optional<std::string> folder;  ///< where the camera's photographs arrive; ~ is not expanded
   double max_age_days = 90.0;         ///< 0.01 to 100,000; an older calibration is warned of
   /// Name of a file beside the rig file, …camera.toml: what follows is read from it, not from the rig file.
@@ -61,6 +81,9 @@ struct CameraTable {
   std::optional<double> residual_px;      ///< rms of the board's points about the fit
   std::optional<double> tilt_deg;         ///< of the optical axis against the plane's normal
 };
+
+/// "folder", "genicam", "gphoto2"
+std::string_view name(CameraKind kind);
 
 /// Reads [camera]; what is wrong is reported to the table's reader.
 CameraTable read_camera(config::TomlTable table);

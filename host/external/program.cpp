@@ -1,12 +1,16 @@
 #include "host/external/program.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
 #include <spawn.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
@@ -43,6 +47,20 @@ std::vector<std::string> with_own_environment(std::vector<std::string> environme
   return environment;
 }
 
+/// Waits for a child that nobody has waited for.
+bool ends_within(pid_t child, Duration longest) {
+  const auto end = std::chrono::steady_clock::now() + longest;
+  const int descriptor = static_cast<int>(syscall(SYS_pidfd_open, child, 0));
+  pollfd ended{descriptor, POLLIN, 0};
+  int found = descriptor < 0 ? 1 : 0;  // without one it is waited for, however long
+  for (auto left = longest; found == 0 && left > Duration::zero();
+       left = end - std::chrono::steady_clock::now())
+    found = std::max(
+        0, poll(&ended, 1, static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(left).count())));
+  if (descriptor >= 0) close(descriptor);
+  return found > 0;
+}
+
 }  // namespace
 
 std::optional<fs::path> find_program(const std::string& name) {
@@ -51,6 +69,15 @@ std::optional<fs::path> find_program(const std::string& name) {
   for (std::string folder; std::getline(folders, folder, ':');) {
     const fs::path candidate = fs::path(folder.empty() ? "." : folder) / name;
     if (access(candidate.c_str(), X_OK) == 0) return fs::absolute(candidate);
+  }
+  return std::nullopt;
+}
+
+std::optional<fs::path> find_own_program(const std::string& name) {
+  std::error_code error;
+  const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
+  for (const fs::path& folder : {here, here.parent_path() / "libexec/strobe"}) {
+    if (access((folder / name).c_str(), X_OK) == 0) return folder / name;
   }
   return std::nullopt;
 }
@@ -80,7 +107,7 @@ std::string WorkFolder::last_message() const {
 }
 
 Result<void> run_program(std::vector<std::string> words, const WorkFolder& folder,
-                         std::vector<std::string> environment) {
+                         std::vector<std::string> environment, std::optional<Duration> longest) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addchdir_np(&actions, folder.path().c_str());
@@ -93,9 +120,12 @@ Result<void> run_program(std::vector<std::string> words, const WorkFolder& folde
                                 pointers(environment).data());
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) return fail(words[0] + ": cannot be started: " + std::strerror(error));
+  const bool late = longest && !ends_within(pid, *longest);
+  if (late) kill(pid, SIGKILL);
   int status = 0;
   while (waitpid(pid, &status, 0) < 0)
     if (errno != EINTR) return fail(words[0] + ": lost: " + std::strerror(errno));
+  if (late) return fail(words[0] + ": takes too long");
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return fail(words[0] + ": " + folder.last_message());
   return {};
 }

@@ -8,11 +8,16 @@
 #include <vector>
 
 #include "common/result.hpp"
+#include "common/units/time.hpp"
 
 namespace strobe::external {
 
 /// Searched in $PATH. Returns nullopt if it is not there.
 std::optional<std::filesystem::path> find_program(const std::string& name);
+
+/// One of this project's own that users do not type: beside this program, or in ../libexec/strobe. Returns
+/// nullopt if it is not installed.
+std::optional<std::filesystem::path> find_own_program(const std::string& name);
 
 /// A folder that goes when the object does, with all that is in it.
 class WorkFolder {
@@ -34,9 +39,10 @@ class WorkFolder {
 };
 
 /// Runs words[0] with the others as its arguments, in the folder, without input. environment: "NAME=value",
-/// beside or in place of this process's. Fails with one line: the program, and its last message where it did
-/// not exit with 0.
+/// beside or in place of this process's. longest: by then it is ended. Fails with one line: the program, and
+/// its last message where it did not exit with 0.
 Result<void> run_program(std::vector<std::string> words, const WorkFolder& folder,
-                         std::vector<std::string> environment = {});
+                         std::vector<std::string> environment = {},
+                         std::optional<Duration> longest = std::nullopt);
 
 }  // namespace strobe::external

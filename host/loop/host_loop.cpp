@@ -147,6 +147,8 @@ void HostLoop::process(const strobe_msgs::frame_t& frame) {
 void HostLoop::publish_photographs() {
   for (const KeptPhotograph& kept : photographs_->take_kept())
     for (HostListener* listener : listeners_) listener->on_photograph(kept);
+  for (const tether::OpenedEvent& camera : photographs_->take_camera_states())
+    for (HostListener* listener : listeners_) listener->on_camera(camera);
   for (const auto& frame : photographs_->take_frames()) {
     publish(messages::Channel::frame, frame);  // first, so that a log holds what a result came from
     process(frame);

@@ -82,6 +82,8 @@ class HostListener {
   virtual void on_shot(const strobe_msgs::shot_t&) {}
   /// A shot's photograph has been read, also a dry one's; where the session keeps it.
   virtual void on_photograph(const KeptPhotograph&) {}
+  /// The camera, its settings and what is wrong with them, whenever they are otherwise than before.
+  virtual void on_camera(const tether::OpenedEvent&) {}
   /// A photograph that the session should have kept has not been, or a message has not been taken in; told as
   /// a notification, too.
   virtual void on_not_kept(const std::string&) {}

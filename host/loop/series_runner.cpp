@@ -58,6 +58,8 @@ void SeriesRunner::fire() {
   if (loop_.was_suspended()) series_.end_after_shot("this computer was suspended");
   series_.on_second_rig(loop_.second_rig());
   series_.on_unanswered(loop_.unanswered());
+  if (const PhotographPipeline* photographs = loop_.photographs())
+    series_.on_camera(photographs->camera_problem(loop_.now()), photographs->stamped());
   if (status)
     series_.on_arming_of(session.host_name(status->arm_host_id), session.adopted(status->arm_host_id));
   // One that was fired at the last moment of an earlier run.
@@ -132,6 +134,10 @@ void StoredSeries::on_shot_result(const Shot& result) {
 }
 
 void StoredSeries::on_shot(const strobe_msgs::shot_t& shot) { folder_.add(shot); }
+
+void StoredSeries::on_camera(const tether::OpenedEvent& camera) {
+  folder_.add_camera(tether::to_line(camera), utc_for_table(clock_.read().wall));
+}
 
 void StoredSeries::on_not_kept(const std::string& what) {
   not_kept_.push_back(what);

@@ -105,6 +105,7 @@ class StoredSeries final : private HostListener {
  private:
   void on_shot_result(const Shot& result) override;
   void on_shot(const strobe_msgs::shot_t& shot) override;
+  void on_camera(const tether::OpenedEvent& camera) override;
   void on_not_kept(const std::string& what) override;
   void tell_failures();
 

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "host/external/raw_file.hpp"
+
 namespace strobe::host {
 namespace {
 
@@ -72,9 +74,9 @@ bool CameraFolder::wanted(const std::string& name) {
   const std::string lower = lower_case(name);
   const auto ends = [&lower](std::string_view end) { return lower.ends_with(end); };
   if (std::any_of(kUnfinished.begin(), kUnfinished.end(), ends)) return false;
-  if (std::any_of(kKinds.begin(), kKinds.end(), ends)) return true;
+  if (std::any_of(kKinds.begin(), kKinds.end(), ends) || external::is_raw_name(name)) return true;
   if (said_kinds_.insert(fs::path(lower).extension().string()).second) {
-    notifications_.push_back(name + ": not a TIFF, PNG or JPEG file");
+    notifications_.push_back(name + ": not a TIFF, PNG, JPEG or RAW file");
   }
   return false;
 }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "common/result.hpp"
 #include "common/units/time.hpp"
 #include "host/photographs/left_photographs.hpp"
+#include "host/tether/driver_messages.hpp"
 
 namespace strobe::host {
 
@@ -24,6 +26,8 @@ struct Arrival {
   HostTime arrived;      ///< when it was renamed or closed, as noticed here
   HostTime written;      ///< the file's own time of its last change
   bool renamed = false;  ///< put there whole under its name: no writer changes it in place
+  std::optional<tether::ExposureStart> exposed = {};  ///< as the camera's clock tells
+  std::string lost = {};  ///< why there is no photograph of that exposure; empty: there is one
 };
 
 class CameraFolder {

@@ -12,6 +12,7 @@ using strobe_msgs::shot_t;
 // The firmware's clock is known here but for the time that a message takes, and to far less than that later
 // on.
 constexpr Duration kClockTolerance = milliseconds{100};
+constexpr int kSds = 4;
 // Some file systems keep times to two seconds.
 constexpr Duration kFileTimeTolerance = std::chrono::seconds{2};
 // Longest that a photograph waits for word of its shot, which may have to be asked for again.
@@ -71,8 +72,9 @@ void PhotographMatcher::give_back(const ShotKey& shot) {
   }
 }
 
-void PhotographMatcher::on_photograph(int photograph, HostTime arrived, HostTime written) {
-  held_.push_back({photograph, arrived, written});
+void PhotographMatcher::on_photograph(int photograph, HostTime arrived, HostTime written,
+                                      std::optional<tether::ExposureStart> exposed) {
+  held_.push_back({photograph, arrived, written, exposed});
 }
 
 /// Shots before one that has its photograph get none any more.
@@ -101,10 +103,10 @@ bool PhotographMatcher::may_still_come(const Exposure& exposure, HostTime arrive
   return usual_ && arrived - local(exposure)->closed <= kTimesUsual * *usual_ + kAboveUsual;
 }
 
-PhotographDecision PhotographMatcher::take(std::size_t i, HostTime now, bool certain) {
+PhotographDecision PhotographMatcher::take(std::size_t h, std::size_t i, HostTime now, bool certain) {
   Exposure& exposure = exposures_[i];
-  const Held held = held_.front();
-  held_.erase(held_.begin());
+  const Held held = held_[h];
+  held_.erase(held_.begin() + static_cast<std::ptrdiff_t>(h));
   exposure.taken = true;
   const HostTime closed = local(exposure)->closed;
   if (certain) usual_ = std::max(usual_.value_or(Duration{}), held.arrived - closed);
@@ -116,15 +118,16 @@ PhotographDecision PhotographMatcher::take(std::size_t i, HostTime now, bool cer
   return decision;
 }
 
-PhotographDecision PhotographMatcher::reject(std::string why) {
+PhotographDecision PhotographMatcher::reject(std::size_t h, std::string why) {
   PhotographDecision decision;
-  decision.photograph = held_.front().photograph;
+  decision.photograph = held_[h].photograph;
   decision.why = std::move(why);
-  held_.erase(held_.begin());
+  held_.erase(held_.begin() + static_cast<std::ptrdiff_t>(h));
   return decision;
 }
 
 std::string PhotographMatcher::nobody(const Held& held) const {
+  if (held.exposed) return "no shot's shutter was open when it was exposed: not used";
   for (const Exposure& exposure : exposures_) {
     const auto when = local(exposure);
     if (!when) continue;
@@ -143,16 +146,16 @@ std::string PhotographMatcher::nobody(const Held& held) const {
 std::optional<PhotographDecision> PhotographMatcher::choose(const Candidates& candidates, HostTime now) {
   const auto& [waiting, given_up] = candidates;
   const std::size_t oldest = given_up.empty() ? waiting.front() : given_up.front();
-  if (held_.size() >= candidates.count()) return take(oldest, now, false);
+  if (held_.size() >= candidates.count()) return take(0, oldest, now, false);
   if (waiting.empty()) {
-    return reject(fmt::format("it came too late, of shot {} or {}: not used",
-                              exposures_[given_up.front()].key.shot_id,
-                              exposures_[given_up.back()].key.shot_id));
+    return reject(
+        0, fmt::format("it came too late, of shot {} or {}: not used",
+                       exposures_[given_up.front()].key.shot_id, exposures_[given_up.back()].key.shot_id));
   }
   if (waiting.size() > 1) return std::nullopt;
   if (held_.size() > 1) {
-    return reject(fmt::format("it came too late, of one of the shots before {}: not used",
-                              exposures_[waiting.front()].key.shot_id));
+    return reject(0, fmt::format("it came too late, of one of the shots before {}: not used",
+                                 exposures_[waiting.front()].key.shot_id));
   }
   // With a camera so slow nothing tells whose it is: wait for another one, or until both are given up.
   if (std::ranges::any_of(
@@ -160,21 +163,61 @@ std::optional<PhotographDecision> PhotographMatcher::choose(const Candidates& ca
     return std::nullopt;
   // If the one before the newest had come late, the newest shot's own would follow by then.
   if (now < own_due(exposures_[waiting.front()])) return std::nullopt;
-  return take(waiting.front(), now, false);
+  return take(0, waiting.front(), now, false);
+}
+
+/// The exposures that it may be of, the most likely first.
+std::vector<std::size_t> PhotographMatcher::exposed_within(const tether::ExposureStart& exposed) const {
+  const Duration tolerance = kClockTolerance + kSds * exposed.sd;
+  std::vector<std::pair<Duration, std::size_t>> found;
+  for (std::size_t i = 0; i < exposures_.size(); ++i) {
+    const auto when = local(exposures_[i]);
+    if (!when || exposed.instant < when->opened - tolerance || exposed.instant > when->closed + tolerance)
+      continue;
+    found.emplace_back(std::chrono::abs(exposed.instant - when->opened), i);
+  }
+  std::ranges::sort(found);
+  std::vector<std::size_t> indices;
+  for (const auto& [distance, i] : found) {
+    if (distance <= found.front().first + 2 * tolerance) indices.push_back(i);
+  }
+  return indices;
+}
+
+std::optional<PhotographDecision> PhotographMatcher::decide_exposed(std::size_t h, HostTime now) {
+  const std::vector<std::size_t> found = exposed_within(*held_[h].exposed);
+  if (found.empty()) {
+    if (now - held_[h].arrived < kClaim) return std::nullopt;
+    return reject(h, nobody(held_[h]));
+  }
+  const Exposure& first = exposures_[found.front()];
+  if (found.size() > 1)
+    return reject(h, fmt::format("it may be of shot {} or {}: not used", first.key.shot_id,
+                                 exposures_[found[1]].key.shot_id));
+  if (first.taken) return reject(h, fmt::format("a second one of shot {}: not used", first.key.shot_id));
+  return take(h, found.front(), now, true);
 }
 
 std::optional<PhotographDecision> PhotographMatcher::decide_first(HostTime now) {
   const Candidates found = candidates(held_.front(), now);
   if (found.count() > 1) return choose(found, now);
   if (found.count() == 1)
-    return take(found.waiting.empty() ? found.given_up[0] : found.waiting[0], now, true);
+    return take(0, found.waiting.empty() ? found.given_up[0] : found.waiting[0], now, true);
   if (now - held_.front().arrived < kClaim) return std::nullopt;
-  return reject(nobody(held_.front()));
+  return reject(0, nobody(held_.front()));
 }
 
 std::vector<PhotographDecision> PhotographMatcher::decide(HostTime now) {
   std::vector<PhotographDecision> decisions;
-  while (!held_.empty()) {
+  for (std::size_t h = 0; h < held_.size();) {
+    auto decision = held_[h].exposed ? decide_exposed(h, now) : std::nullopt;
+    if (decision) {
+      decisions.push_back(std::move(*decision));
+    } else {
+      ++h;
+    }
+  }
+  while (!held_.empty() && !held_.front().exposed) {
     auto decision = decide_first(now);
     if (!decision) break;
     decisions.push_back(std::move(*decision));
@@ -184,7 +227,7 @@ std::vector<PhotographDecision> PhotographMatcher::decide(HostTime now) {
 
 std::vector<PhotographDecision> PhotographMatcher::end(HostTime now) {
   std::vector<PhotographDecision> decisions = decide(now);
-  while (!held_.empty()) decisions.push_back(reject(nobody(held_.front())));
+  while (!held_.empty()) decisions.push_back(reject(0, nobody(held_.front())));
   return decisions;
 }
 

@@ -1,4 +1,5 @@
-// Which photograph shows which shot. A photograph comes after its exposure has ended, its file is not older
+// Which photograph shows which shot. A camera with a clock says when it exposed: that is within the shot's
+// exposure, or of no shot. Of others a photograph comes after its exposure has ended, its file is not older
 // than the opening of the shutter, and photographs come in the order of the exposures. What these leave open
 // is waited for, and in the end left unmatched: a shot without a photograph is fired again, one with the
 // wrong photograph is a wrong number. Shots of several boots may be waiting, each on its own boot's clock.
@@ -14,6 +15,7 @@
 
 #include "common/shot/shot_key.hpp"
 #include "host/clock/device_clock.hpp"
+#include "host/tether/driver_messages.hpp"
 
 namespace strobe::host {
 
@@ -40,8 +42,9 @@ class PhotographMatcher {
   void on_taken(const ShotKey& shot);
   /// The photograph assigned to this shot could not be read: another one may come.
   void give_back(const ShotKey& shot);
-  /// A photograph has arrived; numbers rise.
-  void on_photograph(int photograph, HostTime arrived, HostTime written);
+  /// A photograph has arrived, or word that one is lost; numbers rise. written: its file's time.
+  void on_photograph(int photograph, HostTime arrived, HostTime written,
+                     std::optional<tether::ExposureStart> exposed = std::nullopt);
 
   /// What can be decided by now.
   std::vector<PhotographDecision> decide(HostTime now);
@@ -60,6 +63,7 @@ class PhotographMatcher {
     int photograph = 0;
     HostTime arrived;
     HostTime written;
+    std::optional<tether::ExposureStart> exposed;
   };
   struct Candidates {
     std::vector<std::size_t> waiting;   ///< within the time for photographs
@@ -77,10 +81,12 @@ class PhotographMatcher {
   std::optional<Local> local(const Exposure& exposure) const;
   bool closed_later(const Exposure& one, const Exposure& other) const;
   Candidates candidates(const Held& held, HostTime now) const;
+  std::vector<std::size_t> exposed_within(const tether::ExposureStart& exposed) const;
+  std::optional<PhotographDecision> decide_exposed(std::size_t held, HostTime now);
   std::optional<PhotographDecision> decide_first(HostTime now);
   std::optional<PhotographDecision> choose(const Candidates& candidates, HostTime now);
-  PhotographDecision take(std::size_t exposure, HostTime now, bool certain);
-  PhotographDecision reject(std::string why);
+  PhotographDecision take(std::size_t held, std::size_t exposure, HostTime now, bool certain);
+  PhotographDecision reject(std::size_t held, std::string why);
   std::string nobody(const Held& held) const;
   HostTime own_due(const Exposure& exposure) const;
   bool may_still_come(const Exposure& exposure, HostTime arrived) const;

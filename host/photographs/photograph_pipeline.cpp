@@ -28,9 +28,33 @@ void PhotographPipeline::on_frame(const strobe_msgs::frame_t& frame) {
   matcher_.on_measured({frame.boot_id, frame.shot_id});
 }
 
+std::vector<Arrival> PhotographPipeline::look(HostTime now) {
+  if (!camera_) {
+    for (std::string& text : folder_->take_notifications()) notify(std::move(text));
+    return folder_->look(now);
+  }
+  camera_->step(now);
+  if (const auto& opened = camera_->opened()) {
+    std::string state = tether::to_line(*opened);
+    if (state != camera_state_) camera_states_.push_back(*opened);
+    camera_state_ = std::move(state);
+  }
+  std::vector<Arrival> arrivals;
+  for (auto& photograph : camera_->take_photographs())
+    arrivals.push_back({std::move(photograph.file), now, now, true, photograph.exposed, ""});
+  for (tether::LostEvent& lost : camera_->take_lost()) {
+    if (lost.exposed) {
+      arrivals.push_back({fmt::format("frame {}", lost.number), now, now, false, lost.exposed, lost.why});
+    } else {
+      notify(fmt::format("a photograph is lost, the camera's frame {}: {}", lost.number, lost.why));
+    }
+  }
+  for (std::string& text : camera_->take_notifications()) notify(std::move(text));
+  return arrivals;
+}
+
 void PhotographPipeline::step(HostTime now) {
-  for (const Arrival& arrival : folder_->look(now)) add(arrival);
-  for (std::string& text : folder_->take_notifications()) notify(std::move(text));
+  for (const Arrival& arrival : look(now)) add(arrival);
   for (PhotographResult& result : reader_.take_results()) finish(std::move(result));
   for (const PhotographDecision& decision : matcher_.decide(now)) apply(decision);
 }
@@ -49,7 +73,7 @@ void PhotographPipeline::add(const Arrival& arrival) {
     if (other.path.stem() == arrival.path.stem()) return;
   }
   undecided_[next_photograph_] = arrival;
-  matcher_.on_photograph(next_photograph_++, arrival.arrived, arrival.written);
+  matcher_.on_photograph(next_photograph_++, arrival.arrived, arrival.written, arrival.exposed);
 }
 
 /// photographs/shot-0007-NAME in the session's folder, with a number where that is taken.
@@ -69,8 +93,11 @@ void PhotographPipeline::apply(const PhotographDecision& decision) {
   const auto entry = undecided_.extract(decision.photograph);
   if (entry.empty()) return;
   const Arrival& arrival = entry.mapped();
-  if (!decision.shot)
+  if (!arrival.lost.empty()) return tell_lost(arrival, decision);
+  if (!decision.shot) {
+    if (camera_) put_aside(arrival.path);
     return notify(fmt::format("photograph {}: {}", arrival.path.filename().string(), decision.why));
+  }
   PhotographJob job;
   job.file = arrival.path;
   job.shot = *decision.shot;
@@ -81,6 +108,20 @@ void PhotographPipeline::apply(const PhotographDecision& decision) {
   newest_ = arrival.path;
   being_read_.insert(arrival.path);
   reader_.add(std::move(job));
+}
+
+void PhotographPipeline::tell_lost(const Arrival& arrival, const PhotographDecision& decision) {
+  const std::string what = decision.shot ? fmt::format("photograph of shot {}", decision.shot->shot_id)
+                                         : "a photograph of no shot";
+  notify(fmt::format("{}: lost: {}", what, arrival.lost));
+}
+
+/// Where no later run takes it for a shot's.
+void PhotographPipeline::put_aside(const fs::path& file) {
+  std::error_code error;
+  const fs::path folder = file.parent_path() / "unused";
+  fs::create_directory(folder, error);
+  fs::rename(file, folder / file.filename(), error);
 }
 
 std::vector<ShotKey> PhotographPipeline::measure_left(const LeftShots& shots, const DeviceClock& clock) {
@@ -110,6 +151,17 @@ std::string PhotographPipeline::name_in_session(const PhotographJob& job, bool k
   return own_copy ? (folder / job.file.filename()).string() : job.file.filename().string();
 }
 
+/// What stays as it is need not be said after every shot.
+void PhotographPipeline::tell_light(const std::vector<light::Advice>& advice, const std::string& what) {
+  std::vector<light::Advice> news;
+  for (const light::Advice& each : advice) {
+    if (each.verdict == light::Verdict::ok) continue;
+    if (told_of_light_.insert(fmt::format("{} {}", each.what, name(each.verdict))).second)
+      news.push_back(each);
+  }
+  if (!news.empty()) notify(fmt::format("{}: {}", what, light::in_short(news)));
+}
+
 void PhotographPipeline::finish(PhotographResult result) {
   const PhotographJob& job = result.job;
   left_ -= job.left ? 1 : 0;
@@ -122,7 +174,10 @@ void PhotographPipeline::finish(PhotographResult result) {
   }
   if (!result.not_kept.empty()) not_kept_.push_back(fmt::format("{}: not kept: {}", what, result.not_kept));
   for (const std::string& remark : result.reading->remarks) notify(fmt::format("{}: {}", what, remark));
+  tell_light(result.reading->light, what);
   const bool copied = !job.keep_as.empty() && result.not_kept.empty();
+  std::error_code error;
+  if (copied && camera_) fs::remove(job.file, error);
   kept_.push_back({job.shot, copied ? job.keep_as : job.file});
   if (!job.measure) return;
   strobe_msgs::frame_t frame = messages::frame_to_lcm(result.reading->frame);
@@ -139,10 +194,14 @@ namespace {
 
 tl::expected<PhotographReading, UnreadPhotograph> reading_of(const RigFile& rig, digitize::Effort effort,
                                                              const std::filesystem::path& file,
-                                                             const std::vector<double>& flash_times_s) {
+                                                             const std::vector<double>& flash_times_s,
+                                                             bool with_light) {
   auto measured = measure_photograph(file, rig, {effort, flash_times_s, {}});
   if (!measured) return tl::unexpected(measured.error());
   PhotographReading reading;
+  if (with_light && !measured->found.outlines.empty())
+    reading.light =
+        light::advise(light::measure_light(measured->photograph, measured->settings.map, measured->found));
   reading.frame = std::move(measured->found.frame);
   reading.remarks = std::move(measured->found.remarks);
   if (const auto& missing = measured->found.no_surface)
@@ -150,31 +209,67 @@ tl::expected<PhotographReading, UnreadPhotograph> reading_of(const RigFile& rig,
   return reading;
 }
 
+/// In the session's folder.
+constexpr const char* kIncoming = "incoming";
+
+Result<std::unique_ptr<tether::TetheredCamera>> start_camera(const CameraConnection& connection,
+                                                             const fs::path& folder, double exposure_s,
+                                                             HostTime now) {
+  const auto program = tether::CameraDriver::find(std::string(name(connection.kind)));
+  if (!program) return fail("camera.kind of the rig file: " + program.error().message);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  tether::OpenRequest open;
+  open.serial = connection.serial;
+  open.address = connection.address;
+  open.exposure_by_line = connection.exposure_by_line;
+  open.exposure_s = exposure_s;
+  open.set = connection.set;
+  open.folder = fs::absolute(folder, error).string();
+  open.delete_from_camera = connection.delete_from_camera;
+  return tether::TetheredCamera::start(*program, std::move(open), now);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<PhotographPipeline>> open_pipeline(const RigFile& rig,
                                                           const PhotographOptions& options,
-                                                          const std::filesystem::path& keep_folder,
-                                                          std::int64_t host_id, const DeviceClock& clock,
-                                                          const HostReading& now) {
-  const std::string name = options.folder.empty() ? rig.camera.folder.value_or("") : options.folder;
-  if (name.empty()) return nullptr;
+                                                          const fs::path& keep_folder, std::int64_t host_id,
+                                                          const DeviceClock& clock, const HostReading& now) {
+  const bool speaks = options.folder.empty() && rig.camera.connection.kind != CameraKind::folder;
+  if (speaks && keep_folder.empty()) return nullptr;
+  const std::string from = speaks                   ? (keep_folder / kIncoming).string()
+                           : options.folder.empty() ? rig.camera.folder.value_or("")
+                                                    : options.folder;
+  if (from.empty()) return nullptr;
   if (!rig.camera.px_per_m && !rig.analysis.px_per_m) {
     return fail(
         "photographs need a scale: camera.px_per_m (strobe calibrate) or analysis.px_per_m in the rig file");
   }
-  auto folder = CameraFolder::open(name, now.mono);
+  std::unique_ptr<tether::TetheredCamera> camera;
+  if (speaks) {
+    auto started = start_camera(rig.camera.connection, from, options.exposure_s, now.mono);
+    if (!started) return tl::unexpected(started.error());
+    camera = std::move(*started);
+  }
+  auto folder = CameraFolder::open(from, now.mono);
   if (!folder)
-    return fail((options.folder.empty() ? "camera.folder of the rig file: " : "--photographs: ") +
+    return fail((speaks                   ? "photographs: "
+                 : options.folder.empty() ? "camera.folder of the rig file: "
+                                          : "--photographs: ") +
                 folder.error().message);
   const digitize::Effort effort = digitize::effort_from_name(options.effort).value();
   auto pipeline = std::make_unique<PhotographPipeline>(
       clock, std::move(*folder),
-      [rig, effort](const std::filesystem::path& file, const std::vector<double>& flash_times_s) {
-        return reading_of(rig, effort, file, flash_times_s);
+      [rig, effort, number = 0](const fs::path& file, const std::vector<double>& flash_times_s) mutable {
+        // Light changes slowly, and measuring it makes a readout some 50 ms later.
+        constexpr int kLightOfEach = 8;
+        return reading_of(rig, effort, file, flash_times_s, number++ % kLightOfEach == 0);
       },
       PhotographSettings{rig.analysis.photograph_timeout_s, host_id, keep_folder});
-  pipeline->notify("photographs from " + name);
+  pipeline->notify(speaks ? "photographs by " + std::string(name(rig.camera.connection.kind))
+                          : "photographs from " + from);
+  if (camera) pipeline->set_camera(std::move(camera));
   if (auto warning = calibration_warning(rig.camera, now.wall)) pipeline->notify(*warning);
   return pipeline;
 }

@@ -19,6 +19,7 @@
 #include "host/photographs/left_photographs.hpp"
 #include "host/photographs/photograph_matcher.hpp"
 #include "host/photographs/photograph_reader.hpp"
+#include "host/tether/tethered_camera.hpp"
 
 namespace strobe::host {
 
@@ -40,6 +41,16 @@ class PhotographPipeline {
   /// `clock` relates the firmware's clock to the host's; it must outlive the pipeline.
   PhotographPipeline(const DeviceClock& clock, std::unique_ptr<CameraFolder> folder,
                      MeasurePhotograph measure, PhotographSettings settings);
+
+  /// Photographs come from this camera, which puts them into the folder; one that is of no shot is put into
+  /// the folder's unused/.
+  void set_camera(std::unique_ptr<tether::TetheredCamera> camera) { camera_ = std::move(camera); }
+  /// Why nothing may be fired: the camera is away, or spoils its photographs. Empty: it is ready, or files
+  /// just come.
+  std::string camera_problem(HostTime now) const { return camera_ ? camera_->problem(now) : ""; }
+
+  /// A photograph tells when it was exposed, so that none is taken for another shot's, however late it comes.
+  bool stamped() const { return camera_ && camera_->opened() && camera_->opened()->has_clock; }
 
   /// A shot's summary. When it comes again, somebody has asked for it who may have lost its frame, too: the
   /// frame is then handed out again.
@@ -63,11 +74,15 @@ class PhotographPipeline {
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
   /// Also those of dry shots, which nobody measures.
   std::vector<KeptPhotograph> take_kept() { return std::exchange(kept_, {}); }
+  /// The camera as it has been opened, its settings as read back; again when they have changed.
+  std::vector<tether::OpenedEvent> take_camera_states() { return std::exchange(camera_states_, {}); }
   /// Photographs that could not be kept, in words.
   std::vector<std::string> take_not_kept() { return std::exchange(not_kept_, {}); }
   void notify(std::string text) { notifications_.push_back(std::move(text)); }
   /// Readable when step() has something to do at once.
-  std::vector<int> descriptors() const { return {folder_->descriptor(), reader_.descriptor()}; }
+  std::vector<int> descriptors() const {
+    return {camera_ ? camera_->descriptor() : folder_->descriptor(), reader_.descriptor()};
+  }
   /// Photographs being read.
   std::size_t pending() const { return reader_.pending(); }
 
@@ -75,13 +90,18 @@ class PhotographPipeline {
   static constexpr std::size_t kMaxShots = 200;
   static constexpr std::size_t kMaxMeasured = 1000;
 
+  std::vector<Arrival> look(HostTime now);
   void add(const Arrival& arrival);
+  void tell_lost(const Arrival& arrival, const PhotographDecision& decision);
+  void put_aside(const std::filesystem::path& file);
+  void tell_light(const std::vector<light::Advice>& advice, const std::string& what);
   void apply(const PhotographDecision& decision);
   void finish(PhotographResult result);
   std::filesystem::path name_to_keep(const std::filesystem::path& file, const ShotKey& shot);
   std::string name_in_session(const PhotographJob& job, bool kept) const;
 
   std::unique_ptr<CameraFolder> folder_;
+  std::unique_ptr<tether::TetheredCamera> camera_;  ///< null: files just come
   PhotographSettings settings_;
   PhotographMatcher matcher_;
   RecentMap<ShotKey, std::vector<double>> flash_times_s_{kMaxShots};
@@ -95,19 +115,24 @@ class PhotographPipeline {
   std::vector<strobe_msgs::frame_t> frames_;
   std::vector<KeptPhotograph> kept_;
   std::vector<std::string> notifications_, not_kept_;
+  std::vector<tether::OpenedEvent> camera_states_;
+  std::string camera_state_;             ///< the newest, as a line
+  std::set<std::string> told_of_light_;  ///< what was not well, each told once
   PhotographReader reader_;
 };
 
 // The photograph pipeline as rig file and command line want it. Reads files; allocates.
 
 struct PhotographOptions {
-  std::string folder;               ///< empty: the rig file's camera.folder, if it names one
+  std::string folder;               ///< empty: what the rig file's [camera] says
+  double exposure_s = 0.5;          ///< of a shot, for a camera that keeps its own time
   std::string effort = "standard";  ///< as `strobe digitize` has it
 };
 
-/// Returns null if no folder is named. Fails with one line if the folder cannot be watched or the rig file
-/// gives no scale. The pipeline's first notifications name the folder, and tell if the calibration is old.
-/// keep_folder: the session's; empty: no photograph is copied.
+/// Returns null if neither folder nor camera is named. Fails with one line if the folder cannot be watched,
+/// the camera's driver is not installed, or the rig file gives no scale. The pipeline's first notifications
+/// name the folder, and tell if the calibration is old. A camera puts its photographs into keep_folder's
+/// incoming/; who keeps none speaks to no camera. keep_folder: the session's; empty: no photograph is copied.
 Result<std::unique_ptr<PhotographPipeline>> open_pipeline(const RigFile& rig,
                                                           const PhotographOptions& options,
                                                           const std::filesystem::path& keep_folder,

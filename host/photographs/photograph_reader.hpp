@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "common/reduction/frame.hpp"
+#include "host/light/advice.hpp"
 #include "host/photographs/photograph_matcher.hpp"
 
 namespace strobe::host {
@@ -21,6 +22,7 @@ namespace strobe::host {
 struct PhotographReading {
   reduction::Frame frame;            ///< images in order of time; times are not used
   std::vector<std::string> remarks;  ///< for a person
+  std::vector<light::Advice> light;  ///< on the photograph's light
 };
 
 struct UnreadPhotograph {

@@ -133,11 +133,18 @@ void SessionFolder::add_text(const std::string& lines) try {
   note(fail(doubts_[text_.path()]));
 }
 
+void SessionFolder::add(const RunRecord& run) { append_line("runs.jsonl", run_line(run), "run"); }
+
+void SessionFolder::add_camera(std::string_view object, const std::string& utc) {
+  append_line("camera.jsonl", fmt::format("{{\"utc\":\"{}\",{}\n", utc, object.substr(1)),
+              "camera's settings");
+}
+
 /// A line that a power cut tore is ended first.
-void SessionFolder::add(const RunRecord& run) {
-  const fs::path path = folder_ / "runs.jsonl";
+void SessionFolder::append_line(const char* name, const std::string& line, const char* kind) {
+  const fs::path path = folder_ / name;
   auto file = RecordFile::open(path, RecordFile::Use::append);
-  Result<void> done = file ? file->append((ends_torn(file->fd()) ? "\n" : "") + run_line(run), "run")
+  Result<void> done = file ? file->append((ends_torn(file->fd()) ? "\n" : "") + line, kind)
                            : Result<void>(tl::unexpected(file.error()));
   if (done) done = file->close();
   if (done && !config::sync_folder(folder_))

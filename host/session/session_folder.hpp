@@ -84,6 +84,8 @@ class SessionFolder {
   void add_text(const std::string& lines);
   /// Appends a line to runs.jsonl; on the disk when it returns.
   void add(const RunRecord& run);
+  /// Likewise to camera.jsonl, with the time: the camera and its settings as read back, a JSON object.
+  void add_camera(std::string_view object, const std::string& utc);
 
   /// Writes what could not be written before, and looks whether the files are still in their places.
   void tend();
@@ -115,6 +117,7 @@ class SessionFolder {
         flashes_(std::move(flashes)),
         text_(std::move(text)) {}
   std::array<RecordFile*, 4> files() { return {&log_.file(), &results_.file(), &flashes_.file(), &text_}; }
+  void append_line(const char* name, const std::string& line, const char* kind);
   void note(const Result<void>& done);
   void lost_for_want_of_memory(const std::filesystem::path& path, int shot_id);
 

@@ -49,7 +49,7 @@ std::string ShotSeries::why_blocked(const status_t& status) {
   if (!status.journal_ok) return "the firmware's journal cannot be written";
   if (status.arm_host_id != 0 && status.arm_host_id != factory_.host_id()) return who_armed(status);
   if (status.state == status_t::FIRING) return "the rig is firing a shot already";
-  return second_rig_;
+  return obstacle();
 }
 
 /// In words that stay the same as long as the arming lasts.
@@ -172,7 +172,7 @@ void ShotSeries::wait_for_readiness(const status_t& status, HostTime now) {
   // FIRE seemed refused or lost, and was not: another shot now would be one too many.
   if (fired_ && status.boot_id == boot_id_ && status.last_shot_id > shots_before_)
     return enter(State::shooting, now);
-  blocking_reason_ = ours(status) ? second_rig_ : why_blocked(status);
+  blocking_reason_ = ours(status) ? obstacle() : why_blocked(status);
   if (status.state == status_t::FAULT && settings_.clear_fault && now - sent_ > kSendAgain) {
     commands_.push_back(factory_.clear(status.boot_id));
     sent_ = now;
@@ -193,7 +193,7 @@ void ShotSeries::arm(const status_t& status, HostTime now) {
   blocking_reason_ = unanswered_;
   if (ours(status)) {
     // Nothing is fired with the token, which expires by itself: a DISARM would end the series.
-    if (!second_rig_.empty()) return enter(State::waiting, now);
+    if (!obstacle().empty()) return enter(State::waiting, now);
     refusal_.clear();
     blocking_reason_.clear();
     admitted_ = true;
@@ -237,7 +237,7 @@ void ShotSeries::fire(const status_t& status, HostTime now) {
   if (same_boot && ours(status)) {
     if (now - sent_ < kSendAgain) return;
     // What was sent may have been heard: a DISARM now could abort a good shot.
-    if (ending_.empty() && !second_rig_.empty()) return;
+    if (ending_.empty() && !obstacle().empty()) return;
     if (ending_.empty()) return send_fire(status, now);
     disarm_ = true;  // what was sent got lost, and is not sent again
     return give_up(ending_);
@@ -288,7 +288,7 @@ void ShotSeries::on_shot_result(const Shot& shot_result) {
   if (shot_result.boot_id != boot_id_ || shot_result.shot_id <= shots_before_) return;
   refusals_ = 0;
   fired_ = false;
-  if (shot_result.readout.flags.has(reduction::Flag::no_photograph))
+  if (!stamped_ && shot_result.readout.flags.has(reduction::Flag::no_photograph))
     quiet_until_ = now_ + from_seconds(settings_.photograph_timeout_s);
   if (shot_result.rejected) return on_rejected(rejection_in_full(shot_result), shot_result.shot_id);
   ++good_;

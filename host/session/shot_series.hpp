@@ -64,6 +64,12 @@ class ShotSeries {
   void on_arming_of(std::string host_name, bool own);
   /// Another rig has the name (LiveBoots): nothing is armed. Empty: none has.
   void on_second_rig(std::string why) { second_rig_ = std::move(why); }
+  /// The camera is away, or spoils its photographs: nothing is armed or fired until it is ready. Empty: it
+  /// is. stamped: what comes late cannot be taken for the next shot's photograph, which need not wait.
+  void on_camera(std::string problem, bool stamped) {
+    camera_problem_ = std::move(problem);
+    stamped_ = stamped;
+  }
   /// The rig is heard and does not answer (AnswerWatch): why nothing comes of an ARM. Empty: not so.
   void on_unanswered(std::string why) { unanswered_ = std::move(why); }
   /// Outputs may be active (Session::danger()): nothing more is fired. Empty: nothing is known of it.
@@ -110,6 +116,8 @@ class ShotSeries {
   void sent(const strobe_msgs::status_t& status, HostTime now);
   double longest_shot_s() const;
   bool ours(const strobe_msgs::status_t& status) const;
+  /// Beside what the rig's status says; empty: nothing.
+  const std::string& obstacle() const { return second_rig_.empty() ? camera_problem_ : second_rig_; }
   std::string why_blocked(const strobe_msgs::status_t& status);
   std::string who_armed(const strobe_msgs::status_t& status);
 
@@ -137,7 +145,8 @@ class ShotSeries {
   std::string arming_host_;  ///< who holds the arming; empty: not known
   bool own_arming_ = false;
   std::optional<std::pair<std::int64_t, std::string>> left_of_arming_;  ///< of the token, in words
-  std::string second_rig_, unanswered_;
+  bool stamped_ = false;
+  std::string second_rig_, camera_problem_, unanswered_;
   std::string blocking_reason_;
   std::string refusal_;
   std::string ending_;  ///< why there is no further shot; empty: there may be

@@ -11,6 +11,7 @@
 #include "host/archive/redigitize.hpp"
 #include "host/archive/shot_outcome.hpp"
 #include "host/assembly/camera_map.hpp"
+#include "host/light/advice.hpp"
 #include "host/photographs/digitization_json.hpp"
 #include "host/session/advice.hpp"
 #include "host/web/images_json.hpp"
@@ -106,7 +107,8 @@ Response show_unmeasured(Editing& editing, const Request& request) {
   const auto found = editing.previews.automatic(*shot->session, *shot->shot);
   if (!found) return error_response(found.error());
   return json_response({{"unmeasured", unmeasured_json(found->found.unmeasured, found->settings.map)},
-                        {"remarks", found->found.remarks}});
+                        {"remarks", found->found.remarks},
+                        {"light", found->light}});
 }
 
 /// The corrections that count, as a list; empty: none do.
@@ -180,13 +182,17 @@ Answered<Previewer::Measured> Previewer::measured(const StoredSession& session, 
   if (const Measured* known = kept_.find(key)) return *known;
   auto made = host::redigitize(session, shot);
   if (!made) return unanswered(409, made.error().message);
-  return kept_.put(std::move(key), Measured{std::move(made->found), std::move(made->settings)}, 1);
+  const auto measures = light::measure_light(made->photograph, made->settings.map, made->found);
+  return kept_.put(
+      std::move(key),
+      Measured{std::move(made->found), std::move(made->settings), light::in_short(light::advise(measures))},
+      1);
 }
 
 Answered<Preview> Previewer::automatic(const StoredSession& session, const Shot& shot) {
   auto known = measured(session, shot);
   if (!known) return tl::unexpected(known.error());
-  return with_result({shot, std::move(known->found), std::move(known->settings)});
+  return with_result({shot, std::move(known->found), std::move(known->settings), std::move(known->light)});
 }
 
 Answered<Preview> Previewer::preview(const StoredSession& session, const Shot& shot,
@@ -197,7 +203,7 @@ Answered<Preview> Previewer::preview(const StoredSession& session, const Shot& s
   if (!known) return tl::unexpected(known.error());
   if (auto applied = digitize::apply_corrections(known->found, *read, known->settings); !applied)
     return unanswered(422, applied.error().message);
-  return with_result({shot, std::move(known->found), std::move(known->settings)});
+  return with_result({shot, std::move(known->found), std::move(known->settings), std::move(known->light)});
 }
 
 void add_editing_routes(Router& router, Editing& editing) {

@@ -20,6 +20,7 @@ struct Preview {
   host::Shot shot;               ///< with the corrected digitization as its newest, and the result of that
   digitize::Digitization found;  ///< likewise, as measured
   digitize::DigitizeSettings settings;
+  std::string light;  ///< what is not well with the photograph's, for a person
 };
 
 /// Keeps the automatic measurement of the shots looked at last, so that a change is seen at once.
@@ -45,6 +46,7 @@ class Previewer {
   struct Measured {
     digitize::Digitization found;
     digitize::DigitizeSettings settings;
+    std::string light;
   };
   Answered<Measured> measured(const host::StoredSession& session, const host::Shot& shot);
 

@@ -16,6 +16,8 @@
 
 #include "common/image/image_files.hpp"
 #include "common/image/opencv.hpp"
+#include "host/digitize/image/mosaic_light.hpp"
+#include "host/external/raw_file.hpp"
 
 namespace strobe::digitize {
 
@@ -42,7 +44,7 @@ Result<Decoded> decode_grey(std::span<const unsigned char> bytes) {
     return fail(fmt::format("{} x {} pixels are too few: {} x {} are needed", raster->width(),
                             raster->height(), kMinSide, kMinSide));
   const cv::Mat pixels = image::mat_of(*raster);
-  if (raster->channels() == 1) return Decoded{std::move(*raster), pixels};
+  if (raster->channels() == 1) return Decoded{std::move(*raster), pixels};  // a mosaic, too
   Decoded decoded;
   cv::cvtColor(pixels, decoded.grey, cv::COLOR_RGB2GRAY);
   decoded.raster.orientation = raster->orientation;
@@ -107,6 +109,13 @@ Result<Photograph> decoded(std::span<const unsigned char> bytes, const std::stri
   photograph.name = name;
   photograph.orientation = decoded->raster.orientation;
   photograph.bits = grey.depth() == CV_8U ? 8 : 16;
+  if (const auto& mosaic = decoded->raster.mosaic) {
+    auto [light, saturation] =
+        mosaic_light(grey, *mosaic, std::min<double>(mosaic->white, saturation_level(grey)));
+    photograph.intensity = std::move(light);
+    photograph.saturation = saturation;
+    return photograph;
+  }
   const double top = grey.depth() == CV_8U ? 255.0 : 65535.0;
   // Half a number less, so that no saturated pixel is missed by rounding.
   photograph.saturation = static_cast<float>((saturation_level(grey) - 0.5) / top);
@@ -161,7 +170,11 @@ Result<Photograph> load_photograph(const std::filesystem::path& path) {
   file.seekg(0);
   file.read(reinterpret_cast<char*>(bytes.get()), size);
   if (file.gcount() != size) return fail(fmt::format("{}: cannot be read to its end", name));
-  return decode_photograph({bytes.get(), count}, name);
+  if (!external::is_raw_name(path) && !image::is_camera_raw({bytes.get(), count}))
+    return decode_photograph({bytes.get(), count}, name);
+  const auto mosaic = external::mosaic_of_raw_file(path);
+  if (!mosaic) return fail(fmt::format("{}: {}", name, mosaic.error().message));
+  return decode_photograph(*mosaic, name);
 }
 
 }  // namespace strobe::digitize

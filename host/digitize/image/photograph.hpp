@@ -12,8 +12,10 @@
 namespace strobe::digitize {
 
 struct Photograph {
-  cv::Mat intensity;  ///< CV_32FC1, proportional to the file's numbers; 1 is the largest that they can hold
-  int bits = 8;       ///< of the file's numbers: 8 or 16
+  /// CV_32FC1, proportional to the file's numbers; 1 is the largest that they can hold, of a mosaic the white
+  /// level, 0 the black level.
+  cv::Mat intensity;
+  int bits = 8;             ///< of the file's numbers: 8 or 16
   float saturation = 1.0F;  ///< pixels of this intensity or more are clipped
   std::string name;         ///< the file's, for messages
   /// How EXIF, in a JPEG or PNG, says that the camera was held (1 to 8; 1: upright). The pixels are as
@@ -25,11 +27,11 @@ struct Photograph {
 };
 
 /// Decodes TIFF, PNG and JPEG (common/image/image_files.hpp), from 16 x 16 to image::kMaxPixels pixels.
-/// Colours become luminance. Fails with "NAME: what is wrong"; never throws, whatever the bytes. Thread-safe;
-/// allocates.
+/// Colours become luminance, a colour sensor's mosaic its light (mosaic_light.hpp). Fails with "NAME: what is
+/// wrong"; never throws, whatever the bytes. Thread-safe; allocates.
 Result<Photograph> decode_photograph(std::span<const unsigned char> bytes, const std::string& name);
 
-/// Reads and decodes a file.
+/// Reads and decodes a file; a camera's RAW file by strobe-raw (host/external/raw_file.hpp).
 Result<Photograph> load_photograph(const std::filesystem::path& path);
 
 /// The lowest number that a saturated pixel shows, in the file's own numbers (CV_8UC1 or CV_16UC1). A sensor

@@ -203,6 +203,7 @@ std::optional<TransferCurve> measure_transfer(const Photograph& photograph, cons
 Photograph linearized(const Photograph& photograph, const TransferCurve& curve) {
   assert(curve.exponent > 0.0);
   Photograph light = photograph;
+  light.intensity.release();  // which both share
   cv::pow(cv::max(photograph.intensity, 0.0), 1.0 / curve.exponent, light.intensity);
   light.saturation =
       static_cast<float>(std::pow(static_cast<double>(photograph.saturation), 1.0 / curve.exponent));

@@ -43,7 +43,7 @@ class PhotographView {
     this.problem = h("p", { class: "photograph-problem", role: "status" });
     this.correct = button("Correct", () => this.edit(), { name: "Correct what was measured, by hand", className: "photograph-correct" });
     this.under = h("div", { class: "photograph-under" });
-    this.unmeasured = createUnmeasured({ session, shot, changed: () => this.show() });
+    this.unmeasured = createUnmeasured({ session, shot, changed: (light) => this.show(light) });
     this.side = h("div", { class: "photograph-side" }, this.panel.element);
     const tools = createTools(this.stage, this.unmeasured.button, canEdit && this.correct);
     this.frame = h("div", { class: "photograph" }, h("div", { class: "photograph-main" },
@@ -80,8 +80,9 @@ class PhotographView {
     this.show();
   }
 
-  show() {
+  show(light) {
     if (this.editor) return;
+    if (light) this.problem.textContent = `Light: ${light}`;
     const items = this.items();
     const places = this.places();
     this.unmeasured.offer(!this.detail.unmeasured);
@@ -170,20 +171,20 @@ export function createChooser({ stage, marks, items, places, chosen, choose }) {
 }
 
 export function createUnmeasured({ session, shot, changed }) {
-  let places = [];
+  let places = [], light;
   const asking = button("What was not measured", ask);
 
   async function ask() {
     asking.disabled = true;
     asking.textContent = "Asking …";
     try {
-      ({ unmeasured: places } = await getJson(path("sessions", session, "shots", shot, "unmeasured")));
+      ({ unmeasured: places, light } = await getJson(path("sessions", session, "shots", shot, "unmeasured")));
       asking.textContent = places.length > 0 ? "What was not measured" : "Nothing was left out";
     } catch (error) {
       asking.textContent = `Not told: ${error.message}. Ask again`;
       asking.disabled = false;
     }
-    changed();
+    changed(light);
   }
 
   return {
