@@ -29,6 +29,7 @@ void add_drift_command(CLI::App& app, int& exit_status);
 void add_efficiency_command(CLI::App& app, int& exit_status);
 void add_fit_coverage_command(CLI::App& app, int& exit_status);
 void add_effects_command(CLI::App& app, int& exit_status);
+void add_light_command(CLI::App& app, int& exit_status);
 void add_series_coverage_command(CLI::App& app, int& exit_status);
 void add_thesis_command(CLI::App& app, int& exit_status);
 void add_trade_command(CLI::App& app, int& exit_status);

@@ -231,6 +231,28 @@ TEST(CameraTable, WarnsOfAnOldCalibration) {
   LONGS_EQUAL(-1, *host::days_since("2026-11-22", november_21));
 }
 
+TEST(CameraTable, NamesACameraAndItsSettingsInItsOwnWords) {
+  const auto rig = read_rig(
+      "rig = \"b\"\n[camera]\nkind = \"genicam\"\nserial = \"S7\"\naddress = \"10.0.0.9\"\nexposure = \"timed\"\n"
+      "[camera.set]\nGain = 1.5\nWidth = 640\nReverseX = true\nPixelFormat = \"Mono12\"\n",
+      "rig.toml");
+  CHECK_TRUE(rig.has_value());
+  const host::CameraConnection& camera = rig->camera.connection;
+  CHECK_TRUE(camera.kind == host::CameraKind::genicam);
+  STRCMP_EQUAL("S7", camera.serial.c_str());
+  STRCMP_EQUAL("10.0.0.9", camera.address.c_str());
+  CHECK_FALSE(camera.exposure_by_line);
+  CHECK(camera.set == (std::map<std::string, std::string>{
+                          {"Gain", "1.5"}, {"Width", "640"}, {"ReverseX", "true"}, {"PixelFormat", "Mono12"}}));
+}
+
+TEST(CameraTable, OfACameraThatIsNotSpokenToTakesNoSettings) {
+  STRCMP_EQUAL("rig.toml:3: camera.serial: needs kind = \"genicam\" or \"gphoto2\"",
+               camera_error("serial = \"S7\"\n").c_str());
+  STRCMP_CONTAINS("camera.kind: must be", camera_error("kind = \"webcam\"\n").c_str());
+  STRCMP_CONTAINS("camera.set.Gain", camera_error("kind = \"genicam\"\n[camera.set]\nGain = [1]\n").c_str());
+}
+
 TEST_GROUP(Notes){};
 
 TEST(Notes, AreKeyAndValue) {

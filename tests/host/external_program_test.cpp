@@ -46,6 +46,13 @@ TEST(ExternalProgram, ThatFailsIsNamedWithItsLastMessage) {
   CHECK_EQUAL("/bin/sh: what is wrong", ran.error().message);
 }
 
+TEST(ExternalProgram, ThatTakesTooLongIsEnded) {
+  const auto work = WorkFolder::make(folder.path());
+  const auto ran = run_program({"/bin/sh", "-c", "exec sleep 1000"}, *work, {}, std::chrono::milliseconds(50));
+  CHECK_EQUAL("/bin/sh: takes too long", ran.error().message);
+  CHECK_TRUE(run_program({"/bin/sh", "-c", "exit 0"}, *work, {}, std::chrono::minutes(10)).has_value());
+}
+
 TEST(ExternalProgram, ThatIsNotThereIsNamed) {
   const auto work = WorkFolder::make(folder.path());
   const auto ran = run_program({"/no/such/program"}, *work);

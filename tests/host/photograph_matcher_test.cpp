@@ -44,6 +44,10 @@ TEST_GROUP(PhotographsToShots) {
   void photograph(int number, double arrived_s, double written_s) {
     match.on_photograph(number, at(arrived_s), at(written_s));
   }
+  /// Of a camera that tells when each exposure began.
+  void stamped(int number, double arrived_s, double exposed_s, Duration sd = milliseconds{1}) {
+    match.on_photograph(number, at(arrived_s), at(arrived_s), strobe::tether::ExposureStart{at(exposed_s), sd});
+  }
   /// "photograph>shot", with ! for late ones and ~ for those not wanted; "photograph:why".
   std::string decided(double now_s) { return words(match.decide(at(now_s))); }
   std::string left(double now_s) { return words(match.end(at(now_s))); }
@@ -243,4 +247,45 @@ TEST(PhotographsToShots, AreMatchedWhenTheClockOfTheirBootIsKnown) {
   CHECK_EQUAL("", decided(10.7));
   clock.on_heartbeat(8, device(32 * kSecond + kSecond / 2), at(10.8));
   CHECK_EQUAL("1>1", decided(10.9));
+}
+
+TEST(PhotographsToShots, StampedOnesAreOfTheShotWithinWhoseExposureTheyBeganInWhateverOrderTheyCome) {
+  shot(1, 10.0);
+  shot(2, 14.0);
+  shot(3, 18.0);
+  stamped(1, 18.4, 17.52);
+  stamped(2, 18.5, 9.51);
+  CHECK_EQUAL("1>3 2>1!", decided(18.6));
+  stamped(3, 19.0, 13.50);
+  CHECK_EQUAL("3>2", decided(19.0));
+}
+
+TEST(PhotographsToShots, AMissingOneShiftsNoStampedOne) {
+  shot(1, 10.0);
+  shot(2, 14.0);
+  stamped(1, 14.2, 13.5);  // at once, where a file without a stamp would have to be waited with
+  CHECK_EQUAL("1>2", decided(14.2));
+}
+
+TEST(PhotographsToShots, ASecondStampedOneOfAShotAndOneOfNoneAreTold) {
+  shot(1, 10.0);
+  stamped(1, 10.2, 9.5);
+  stamped(2, 10.3, 9.5);
+  stamped(3, 10.4, 7.0);
+  CHECK_EQUAL("1>1 2:a second one of shot 1: not used", decided(10.4));
+  CHECK_EQUAL("3:no shot's shutter was open when it was exposed: not used", decided(15.5));
+}
+
+TEST(PhotographsToShots, StampedOnesWaitForTheWordOfTheirShot) {
+  stamped(1, 10.2, 9.5);
+  CHECK_EQUAL("", decided(12.0));
+  shot(1, 10.0);
+  CHECK_EQUAL("1>1", decided(12.1));
+}
+
+TEST(PhotographsToShots, AStampThatIsKnownTooPoorlyIsNotGuessedBy) {
+  shot(1, 10.0);
+  shot(2, 12.0);
+  stamped(1, 12.1, 10.4, std::chrono::seconds{1});
+  CHECK_EQUAL("1:it may be of shot 1 or 2: not used", decided(12.2));
 }

@@ -93,9 +93,15 @@ TEST(FolderOfTheCamera, AFileIsThereOnceItsWriterHasClosedIt) {
 
 TEST(FolderOfTheCamera, OtherFilesAreSaidOncePerKind) {
   open();
-  for (const char* name : {"a.cr2", "b.cr2", "notes.txt"}) write_text(folder / name, "x");
+  for (const char* name : {"a.mov", "b.mov", "notes.txt"}) write_text(folder / name, "x");
   CHECK_EQUAL("", arrived());
   LONGS_EQUAL(2, camera->take_notifications().size());
+}
+
+TEST(FolderOfTheCamera, ARawFileIsAPhotograph) {
+  open();
+  write_text(folder / "a.CR2", "x");
+  CHECK_EQUAL("a.CR2.", arrived());
 }
 
 TEST(FolderOfTheCamera, ANameThatIsUsedAgainIsANewPhotograph) {

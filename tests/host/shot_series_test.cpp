@@ -82,6 +82,28 @@ TEST(ShotSeriesOfAHost, AStopInAShotEndsItWithThatShotAndIsNoReasonToFireAgain) 
   }
 }
 
+TEST(ShotSeriesOfAHost, WaitsWhileTheCameraIsAwayAndGoesOnByItself) {
+  Play play(series(3));
+  play.turn_until_fired();
+  play.answer();
+  play.series.on_camera("the camera is gone: it does not answer", true);
+  play.run(200);
+  LONGS_EQUAL(1, play.firmware.fired);
+  STRCMP_EQUAL("the camera is gone: it does not answer", play.series.blocking_reason().c_str());
+  play.series.on_camera("", true);
+  play.succeeds(3);
+}
+
+TEST(ShotSeriesOfAHost, FiresNothingWithATokenThatItGotAsTheCameraWentAway) {
+  Play play(series(1));
+  while (play.firmware.armed == 0) play.turn();
+  play.series.on_camera("the camera is gone: it does not answer", true);
+  play.run(200);
+  LONGS_EQUAL(0, play.firmware.fired);
+  play.series.on_camera("", true);
+  play.succeeds(1);
+}
+
 TEST(ShotSeriesOfAHost, AStopThatOnlyAnEventTellsOfEndsItToo) {
   for (const auto& [kind, detail] : {std::pair{event_t::KEY, ""}, std::pair{event_t::ESTOP, ""},
                                      std::pair{event_t::DISARMED, "disarmed by command of 99 eve@lab2"},

@@ -26,7 +26,7 @@ struct SoakCounts {
   std::array<std::int64_t, reduction::kFlagCount> flags{};         ///< readouts that carry each
   std::array<std::int64_t, reduction::kFlagCount> explained_by{};  ///< readouts in which it explained some
   std::array<double, reduction::kQuantityCount> largest_z{};       ///< of numbers that no flag explains
-  std::array<std::int64_t, sim::kFaultNames.size()> rig_faults{};  ///< exposures that each struck
+  std::array<std::int64_t, kRigFaultCount> rig_faults{};  ///< exposures that each struck
   std::array<std::int64_t, kHazardCount> hazards{};
   std::int64_t packets = 0, packets_lost = 0, packets_doubled = 0, packets_reordered = 0;
   std::int64_t strangers = 0;           ///< packets that strangers sent

@@ -65,9 +65,12 @@ inline constexpr std::array<std::string_view, 18> kHazardNames{
 inline constexpr std::size_t kHazardCount = kHazardNames.size();
 constexpr std::string_view name(Hazard hazard) { return kHazardNames[static_cast<std::size_t>(hazard)]; }
 
+/// Those of a camera that is a device of its own come after them: this lab has none.
+inline constexpr std::size_t kRigFaultCount = static_cast<std::size_t>(sim::FaultKind::frame_dropped);
+
 struct FaultPlan {
   std::string name = "none";
-  std::array<double, sim::kFaultNames.size()> rig{};  ///< of each kind of sim::FaultKind, per exposure
+  std::array<double, kRigFaultCount> rig{};   ///< of each kind of sim::FaultKind, per exposure
   std::array<double, kHazardCount> hazard{};          ///< per second of virtual time
   double packet_loss = 0.0;                           ///< per packet and receiver
   double packet_duplication = 0.0, packet_reordering = 0.0;

@@ -110,3 +110,11 @@ TEST(TransferCurve, ThatAFileOf8BitsCannotTellIsSaid) {
   STRCMP_CONTAINS("whether the file's numbers are proportional to light cannot be told",
                   found->remarks.back().c_str());
 }
+
+TEST(TransferCurve, LeavesThePhotographThatItLinearizesAsItIs) {
+  digitize::Photograph photograph;
+  photograph.intensity = cv::Mat(16, 16, CV_32F, cv::Scalar(0.25));
+  const digitize::Photograph light = digitize::linearized(photograph, {0.5, 0.01, 9});
+  DOUBLES_EQUAL(0.25, static_cast<double>(photograph.intensity.at<float>(3, 4)), 0.0);
+  DOUBLES_EQUAL(0.0625, static_cast<double>(light.intensity.at<float>(3, 4)), 1e-7);  // rounding
+}

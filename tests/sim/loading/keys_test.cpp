@@ -218,3 +218,29 @@ TEST(SceneKeys, OfARigThatIsToBeCommissioned) {
   refuses("camera.distortion: excludes swing_deg and tilt_deg",
           kSmallest + "[camera]\ndistance_m = 2\ntilt_deg = 3\ndistortion = 0.01\n");
 }
+
+TEST(SceneKeys, OfACameraOnTheNetwork) {
+  const CameraLinkSettings sound = scene_of(kSmallest).camera_link;
+  CHECK_TRUE(sound.pixels == CameraPixels::mono8 && sound.hostile == CameraLinkSettings::Hostile::none);
+  DOUBLES_EQUAL(0.0, sound.loss + sound.resend_loss + sound.drop + sound.clock_drift_ppm, 0.0);
+  const Scene scene =
+      scene_of(kSmallest +
+               "[camera_link]\npixel_format = \"BayerRG12\"\nrate_mbps = 1000\nreadout_ms = 20\n"
+               "exposure_step_us = 50\nloss = 0.01\nresend_loss = 0.1\ndrop = 0.02\nclock_offset_s = 9\n"
+               "clock_drift_ppm = -50\nhostile = \"endless\"\n"
+               "[[fault]]\nkind = \"camera_vanishes\"\nshot = 3\ndelay_s = 2.5\n");
+  const CameraLinkSettings& link = scene.camera_link;
+  CHECK_TRUE(link.pixels == CameraPixels::bayer_rg12 && link.hostile == CameraLinkSettings::Hostile::endless);
+  DOUBLES_EQUAL(1e9, link.rate_bps, 1e-3);
+  DOUBLES_EQUAL(0.02, link.readout_s, 1e-15);
+  DOUBLES_EQUAL(50e-6, link.exposure_step_s, 1e-18);
+  DOUBLES_EQUAL(0.01, link.loss, 0.0);
+  DOUBLES_EQUAL(0.1, link.resend_loss, 0.0);
+  DOUBLES_EQUAL(0.02, link.drop, 0.0);
+  DOUBLES_EQUAL(9.0, link.clock_offset_s, 0.0);
+  DOUBLES_EQUAL(-50.0, link.clock_drift_ppm, 0.0);
+  CHECK_EQUAL(milliseconds(2500), scene.faults[0].delay);
+  refuses("camera_link.loss: must be", kSmallest + "[camera_link]\nloss = 1.5\n");
+  refuses("camera_link.pixel_format: must be one of", kSmallest + "[camera_link]\npixel_format = \"RGB8\"\n");
+  refuses("delay_s: is missing", kSmallest + "[[fault]]\nkind = \"camera_vanishes\"\n");
+}

@@ -1,6 +1,7 @@
 #include <sys/inotify.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -333,6 +334,42 @@ TEST(Render, ShowsTheSecondBallOfADoubleThrow) {
   const Photograph two = rendered(scene, exposure, draw_appearance(scene, 1, 1));
   CHECK(cv::mean(two.pixels)[0] > cv::mean(one)[0]);
   CHECK(rendered_shot(scene).pulses.size() >= two.truth.images.size());
+}
+
+// By xenon light a sensor's red and blue pixels have .5 and .67 of the light of its green ones, which have a grey
+// sensor's; felt reflects .62, .80 and .22 of the three. Rounding is a thousandth of such sums.
+TEST(Render, ShowsAYellowBallInAMosaic) {
+  Scene scene = clean_scene();
+  scene.photograph.bits = 14;
+  scene.ball_appearance.surface = BallSurface::felt;
+  scene.background.wall = 0.0;
+  const Exposure exposure = rendered_shot(scene);
+  const Photograph grey = rendered(scene, exposure, draw_appearance(scene, 1, 1));
+  scene.photograph.format = PhotographFormat::mosaic;
+  const Photograph photograph = rendered(scene, exposure, draw_appearance(scene, 1, 1));
+  CHECK(photograph.mosaic.has_value() && !grey.mosaic.has_value());
+  LONGS_EQUAL(16383, photograph.mosaic->white);
+  const double black = photograph.mosaic->black;
+  const auto light = [&](const cv::Mat& pixels, const cv::Rect& place, int column, int row) {
+    double sum = 0.0;
+    for (int y = place.y / 2 * 2 + row; y < place.y + place.height; y += 2)
+      for (int x = place.x / 2 * 2 + column; x < place.x + place.width; x += 2)
+        sum += pixels.at<std::uint16_t>(y, x) - black;
+    return sum;
+  };
+  const auto& ball = *std::ranges::find_if(photograph.truth.images, [](const ImageTruth& image) {
+    return image.whole && image.leg != strobe::reduction::Leg::contact;
+  });
+  const int x = cvRound(ball.centre_px.x), y = grey.pixels.rows - 1 - cvRound(ball.centre_px.y);
+  const int reach = cvRound(0.3 * ball.diameter_px);
+  const cv::Rect place(x - reach, y - reach, 2 * reach, 2 * reach);
+  const auto share = [&](int column, int row) {
+    return light(photograph.pixels, place, column, row) / light(grey.pixels, place, column, row);
+  };
+  DOUBLES_EQUAL(1.0, share(1, 0), 0.002);
+  DOUBLES_EQUAL(1.0, share(0, 1), 0.002);
+  DOUBLES_EQUAL(0.5 * 0.62 / 0.80, share(0, 0), 0.002);
+  DOUBLES_EQUAL(0.67 * 0.22 / 0.80, share(1, 1), 0.002);
 }
 
 TEST_GROUP(PhotographFile) { strobe::testing::TemporaryFolder folder; };

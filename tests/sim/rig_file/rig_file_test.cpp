@@ -124,6 +124,16 @@ TEST(RigFileOfAScene, CarriesWhatTheRunWasGiven) {
   CHECK_EQUAL(odd, rig.camera.folder.value_or(""));
 }
 
+TEST(RigFileOfAScene, NamesTheCameraOnTheNetworkIfThereIsOne) {
+  const Scene scene = scenes().front();
+  CHECK_TRUE(sim::rig_file_text(scene, {}).find("genicam") == std::string::npos);
+  const std::string text = sim::rig_file_text(
+      scene, {.camera_kind = "genicam", .camera_address = "127.0.1.7", .camera_serial = "SIM-7F000107"});
+  for (const char* entry : {"\nkind = \"genicam\" ", "\nserial = \"SIM-7F000107\"\n",
+                            "\naddress = \"127.0.1.7\" ", "\nexposure = \"line\" "})
+    STRCMP_CONTAINS(entry, text.c_str());
+}
+
 TEST_GROUP(WritingARigFile) {
   testing::TemporaryFolder folder;
   Scene scene = *sim::load_scene(STROBE_SCENES_FOLDER "/zero_23.toml");

@@ -20,7 +20,7 @@ using namespace strobe::studies::digitize;
 
 /// Which study, and what is asked of it.
 struct Request {
-  bool robustness = false, chain = false, latency = false, matches = false;
+  bool robustness = false, chain = false, latency = false, matches = false, raw = false;
   std::string plan, effort = "standard", renderer = "sim";
   Options options;
 };
@@ -46,13 +46,13 @@ Result<std::vector<Duration>> planned_train(const std::string& plan_file) {
 }
 
 int run(Request& request) {
-  if (request.robustness + request.chain + request.latency + request.matches > 1) {
+  if (request.robustness + request.chain + request.latency + request.matches + request.raw > 1) {
     fmt::print(stderr,
-               "strobe-bench: digitize: --robustness, --chain, --latency and --matches exclude each other\n");
+               "strobe-bench: digitize: --robustness, --chain, --latency, --matches and --raw exclude each other\n");
     return 2;
   }
   request.options.independent = request.renderer == "independent";
-  if (request.options.independent && (request.chain || request.latency || request.matches)) {
+  if (request.options.independent && (request.chain || request.latency || request.matches || request.raw)) {
     fmt::print(stderr,
                "strobe-bench: digitize: --renderer independent is for the accuracy and --robustness\n");
     return 2;
@@ -72,6 +72,7 @@ int run(Request& request) {
                      : request.chain    ? study_chain
                      : request.latency  ? study_latency
                      : request.matches  ? study_matches
+                     : request.raw      ? study_raw
                                         : study_accuracy;
   const auto done = study(request.options);
   if (done) return 0;
@@ -89,6 +90,12 @@ void add_studies(CLI::App& command, Request& o) {
   command.add_flag("--matches", o.matches,
                    "Which flash made which image: shots rejected and flagged, errors over stated sds, shots "
                    "with wrong numbers and no flag");
+  command.add_flag("--raw", o.raw,
+                   "A colour sensor's mosaic, and the same demosaiced as a JPEG, beside a grey sensor's "
+                   "photograph; needs dcraw_emu (libraw-bin)");
+  command.add_option("--noise", o.options.noise, "Of --raw: of the sensors, over the scenes'")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 20.0));
   command.add_flag("--simulated", o.options.simulated,
                    "Of --matches: nothing is rendered, a normal error stands for the digitizer's");
   command.add_option("--plan", o.plan, "Of --matches: plan file, TOML (default: the shipped rig file's)");

@@ -33,6 +33,7 @@ struct Options {
   double issue_jitter_us = 0.0;             ///< by how much its flashes are issued late
   std::optional<double> flash_time_sd_us;   ///< of the matches, as a rig file's; empty: its default
   std::optional<double> machine_lag_sd_ms;  ///< likewise
+  double noise = 1.0;  ///< of the RAW study's sensors, over the scenes'
   bool simulated = false;  ///< of the matches: nothing is rendered, the digitizer is a normal error
   std::string save;        ///< folder for what went wrong
   std::string keep;        ///< Take::kept_in
@@ -56,6 +57,10 @@ Result<void> study_matches(const Options& options);
 /// From the rename of a photograph into the camera's folder to its shot's readout, through what `strobe live` runs.
 /// Writes files into a temporary folder.
 Result<void> study_latency(const Options& options);
+
+/// Photographs by a colour sensor, as its mosaic and demosaiced, beside those of a grey one with the noise of the same
+/// photosites. Needs dcraw_emu.
+Result<void> study_raw(const Options& options);
 
 /// How far conditions may go until the digitizer breaks, one at a time, and whether it then says so.
 Result<void> study_robustness(const Options& options);
