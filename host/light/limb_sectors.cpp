@@ -49,7 +49,7 @@ class Ring {
  public:
   Ring(const Photograph& photograph, const PlaneMap& map, std::span<const Outline> outlines,
        std::size_t index)
-      : photograph_(photograph), map_(map), outlines_(outlines), index_(index), outline_(outlines[index]) {
+      : photograph_(photograph), map_(map), outlines_(outlines), outline_(outlines[index]) {
     radius_ = 0.5 * outline_.diameter;
     outside_ = 3.0 * outline_.blur_px + kOutside_px;
     inside_ = std::min(3.0 * outline_.blur_px + kInside_px, 0.5 * radius_);
@@ -129,7 +129,6 @@ class Ring {
   const Photograph& photograph_;
   const PlaneMap& map_;
   std::span<const Outline> outlines_;
-  std::size_t index_;
   const Outline& outline_;
   double radius_ = 0.0, outside_ = 0.0, inside_ = 0.0;
   int count_ = 0;

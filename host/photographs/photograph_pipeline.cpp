@@ -34,11 +34,6 @@ std::vector<Arrival> PhotographPipeline::look(HostTime now) {
     return folder_->look(now);
   }
   camera_->step(now);
-  if (const auto& opened = camera_->opened()) {
-    std::string state = tether::to_line(*opened);
-    if (state != camera_state_) camera_states_.push_back(*opened);
-    camera_state_ = std::move(state);
-  }
   std::vector<Arrival> arrivals;
   for (auto& photograph : camera_->take_photographs())
     arrivals.push_back({std::move(photograph.file), now, now, true, photograph.exposed, ""});
@@ -56,6 +51,7 @@ std::vector<Arrival> PhotographPipeline::look(HostTime now) {
 void PhotographPipeline::step(HostTime now) {
   for (const Arrival& arrival : look(now)) add(arrival);
   for (PhotographResult& result : reader_.take_results()) finish(std::move(result));
+  for (const PhotographLight& light : reader_.take_light()) tell_light(light);
   for (const PhotographDecision& decision : matcher_.decide(now)) apply(decision);
 }
 
@@ -152,14 +148,15 @@ std::string PhotographPipeline::name_in_session(const PhotographJob& job, bool k
 }
 
 /// What stays as it is need not be said after every shot.
-void PhotographPipeline::tell_light(const std::vector<light::Advice>& advice, const std::string& what) {
+void PhotographPipeline::tell_light(const PhotographLight& light) {
   std::vector<light::Advice> news;
-  for (const light::Advice& each : advice) {
+  for (const light::Advice& each : light.advice) {
     if (each.verdict == light::Verdict::ok) continue;
     if (told_of_light_.insert(fmt::format("{} {}", each.what, name(each.verdict))).second)
       news.push_back(each);
   }
-  if (!news.empty()) notify(fmt::format("{}: {}", what, light::in_short(news)));
+  if (!news.empty())
+    notify(fmt::format("photograph of shot {}: {}", light.shot.shot_id, light::in_short(news)));
 }
 
 void PhotographPipeline::finish(PhotographResult result) {
@@ -174,7 +171,6 @@ void PhotographPipeline::finish(PhotographResult result) {
   }
   if (!result.not_kept.empty()) not_kept_.push_back(fmt::format("{}: not kept: {}", what, result.not_kept));
   for (const std::string& remark : result.reading->remarks) notify(fmt::format("{}: {}", what, remark));
-  tell_light(result.reading->light, what);
   const bool copied = !job.keep_as.empty() && result.not_kept.empty();
   std::error_code error;
   if (copied && camera_) fs::remove(job.file, error);
@@ -199,13 +195,15 @@ tl::expected<PhotographReading, UnreadPhotograph> reading_of(const RigFile& rig,
   auto measured = measure_photograph(file, rig, {effort, flash_times_s, {}});
   if (!measured) return tl::unexpected(measured.error());
   PhotographReading reading;
-  if (with_light && !measured->found.outlines.empty())
-    reading.light =
-        light::advise(light::measure_light(measured->photograph, measured->settings.map, measured->found));
-  reading.frame = std::move(measured->found.frame);
-  reading.remarks = std::move(measured->found.remarks);
+  reading.frame = measured->found.frame;
+  reading.remarks = measured->found.remarks;
   if (const auto& missing = measured->found.no_surface)
     reading.remarks.push_back("no surface line: " + missing->detail);
+  if (with_light && !measured->found.outlines.empty()) {
+    reading.advise = [whole = std::move(*measured)] {
+      return light::advise(light::measure_light(whole.photograph, whole.settings.map, whole.found));
+    };
+  }
   return reading;
 }
 
@@ -262,7 +260,7 @@ Result<std::unique_ptr<PhotographPipeline>> open_pipeline(const RigFile& rig,
   auto pipeline = std::make_unique<PhotographPipeline>(
       clock, std::move(*folder),
       [rig, effort, number = 0](const fs::path& file, const std::vector<double>& flash_times_s) mutable {
-        // Light changes slowly, and measuring it makes a readout some 50 ms later.
+        // Light changes slowly, and measuring it takes some 50 ms of the next photograph's.
         constexpr int kLightOfEach = 8;
         return reading_of(rig, effort, file, flash_times_s, number++ % kLightOfEach == 0);
       },

@@ -75,7 +75,9 @@ class PhotographPipeline {
   /// Also those of dry shots, which nobody measures.
   std::vector<KeptPhotograph> take_kept() { return std::exchange(kept_, {}); }
   /// The camera as it has been opened, its settings as read back; again when they have changed.
-  std::vector<tether::OpenedEvent> take_camera_states() { return std::exchange(camera_states_, {}); }
+  std::vector<tether::OpenedEvent> take_camera_states() {
+    return camera_ ? camera_->take_opened() : std::vector<tether::OpenedEvent>{};
+  }
   /// Photographs that could not be kept, in words.
   std::vector<std::string> take_not_kept() { return std::exchange(not_kept_, {}); }
   void notify(std::string text) { notifications_.push_back(std::move(text)); }
@@ -94,7 +96,7 @@ class PhotographPipeline {
   void add(const Arrival& arrival);
   void tell_lost(const Arrival& arrival, const PhotographDecision& decision);
   void put_aside(const std::filesystem::path& file);
-  void tell_light(const std::vector<light::Advice>& advice, const std::string& what);
+  void tell_light(const PhotographLight& light);
   void apply(const PhotographDecision& decision);
   void finish(PhotographResult result);
   std::filesystem::path name_to_keep(const std::filesystem::path& file, const ShotKey& shot);
@@ -115,8 +117,6 @@ class PhotographPipeline {
   std::vector<strobe_msgs::frame_t> frames_;
   std::vector<KeptPhotograph> kept_;
   std::vector<std::string> notifications_, not_kept_;
-  std::vector<tether::OpenedEvent> camera_states_;
-  std::string camera_state_;             ///< the newest, as a line
   std::set<std::string> told_of_light_;  ///< what was not well, each told once
   PhotographReader reader_;
 };

@@ -82,6 +82,11 @@ std::vector<PhotographResult> PhotographReader::take_results() {
   return std::exchange(results_, {});
 }
 
+std::vector<PhotographLight> PhotographReader::take_light() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(light_, {});
+}
+
 std::size_t PhotographReader::pending() const {
   const std::lock_guard lock(mutex_);
   return pending_;
@@ -132,6 +137,26 @@ PhotographResult PhotographReader::work(PhotographJob job) {
   return result;
 }
 
+void PhotographReader::wake() const {
+  const std::uint64_t one = 1;
+  if (event_ >= 0) static_cast<void>(!write(event_, &one, sizeof one));
+}
+
+void PhotographReader::judge_light(const ShotKey& shot, const AdviseOnLight& advise) {
+  if (!advise) return;
+  std::vector<light::Advice> advice;
+  try {
+    advice = advise();
+  } catch (const std::exception&) {  // what is not known of the light is not said
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    light_.push_back({shot, std::move(advice)});
+  }
+  wake();
+}
+
 void PhotographReader::run() {
   while (true) {
     std::unique_lock lock(mutex_);
@@ -141,11 +166,13 @@ void PhotographReader::run() {
     jobs_.pop_front();
     lock.unlock();
     PhotographResult result = work(std::move(job));
+    const ShotKey shot = result.job.shot;
+    const auto advise = result.reading ? std::exchange(result.reading->advise, nullptr) : nullptr;
     lock.lock();
     results_.push_back(std::move(result));
     lock.unlock();
-    const std::uint64_t one = 1;
-    if (event_ >= 0) static_cast<void>(!write(event_, &one, sizeof one));
+    wake();
+    judge_light(shot, advise);
   }
 }
 

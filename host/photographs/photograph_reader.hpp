@@ -19,10 +19,13 @@
 
 namespace strobe::host {
 
+using AdviseOnLight = std::function<std::vector<light::Advice>()>;
+
 struct PhotographReading {
   reduction::Frame frame;            ///< images in order of time; times are not used
   std::vector<std::string> remarks;  ///< for a person
-  std::vector<light::Advice> light;  ///< on the photograph's light
+  /// Judges the photograph's light, once its frame has been handed on; empty: nobody does.
+  AdviseOnLight advise;
 };
 
 struct UnreadPhotograph {
@@ -51,6 +54,11 @@ struct PhotographResult {
   std::string not_kept;  ///< why it could not be kept; empty: it was, or was not to be
 };
 
+struct PhotographLight {
+  ShotKey shot;
+  std::vector<light::Advice> advice;
+};
+
 class PhotographReader {
  public:
   /// patience: how long a file that cannot be read may stay unchanged until that is final.
@@ -62,6 +70,8 @@ class PhotographReader {
 
   void add(PhotographJob job);
   std::vector<PhotographResult> take_results();
+  /// Of photographs whose results have been taken before.
+  std::vector<PhotographLight> take_light();
   /// Readable when there are results; -1 where the system gave none.
   int descriptor() const { return event_; }
   /// Jobs added whose results have not been taken.
@@ -69,6 +79,8 @@ class PhotographReader {
 
  private:
   void run();
+  void judge_light(const ShotKey& shot, const AdviseOnLight& advise);
+  void wake() const;
   PhotographResult work(PhotographJob job);
   tl::expected<PhotographReading, UnreadPhotograph> read_once(const PhotographJob& job) const;
   tl::expected<PhotographReading, UnreadPhotograph> read_when_whole(const PhotographJob& job);
@@ -81,6 +93,7 @@ class PhotographReader {
   bool stopping_ = false;
   std::deque<PhotographJob> jobs_;
   std::vector<PhotographResult> results_;
+  std::vector<PhotographLight> light_;
   std::size_t pending_ = 0;
   std::thread thread_;  ///< last: it uses all of the above
 };

@@ -119,6 +119,7 @@ void TetheredCamera::on(const OpenedEvent& event, HostTime now) {
                                          event.camera.model, event.camera.serial, opened_ ? "back" : "ready",
                                          event.exposure));
   away_.clear();
+  if (!opened_ || to_line(*opened_) != to_line(event)) news_.push_back(event);
   opened_ = event;
   answered_ = now;
 }

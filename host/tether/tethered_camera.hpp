@@ -32,6 +32,8 @@ class TetheredCamera {
   std::vector<Photograph> take_photographs() { return std::exchange(photographs_, {}); }
   std::vector<LostEvent> take_lost() { return std::exchange(lost_, {}); }
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
+  /// As it has been opened, and again when a setting or a problem is another one.
+  std::vector<OpenedEvent> take_opened() { return std::exchange(news_, {}); }
   /// One picture at once.
   void snap(double exposure_s) { driver_->send(SnapRequest{exposure_s}); }
 
@@ -71,6 +73,7 @@ class TetheredCamera {
   bool open_question_ = false;
   bool open_failed_ = false;
   std::int64_t most_resent_ = 0;  ///< packets of one photograph
+  std::vector<OpenedEvent> news_;
   std::vector<Photograph> photographs_;
   std::vector<LostEvent> lost_;
   std::vector<std::string> notifications_;

@@ -25,7 +25,7 @@ using testing::write_text;
 
 HostTime steady_now() { return from_ns<HostTime>(testing::monotonic_now_ns()); }
 
-/// A photograph is the text "ball X"; anything else may be half-written.
+/// A photograph is the text "ball X", a dark one "ball X dark"; anything else may be half-written.
 tl::expected<host::PhotographReading, host::UnreadPhotograph> measure(const fs::path& file,
                                                                       const std::vector<double>& times) {
   const std::string text = testing::read_text(file);
@@ -38,6 +38,15 @@ tl::expected<host::PhotographReading, host::UnreadPhotograph> measure(const fs::
   reading.frame.images[0].diameter_px = 260.0;
   reading.frame.images[0].source = "auto";
   reading.remarks = {"dim"};
+  if (text.ends_with("dark")) {
+    reading.advise = [] {
+      return std::vector{light::Advice{.what = "exposure",
+                                       .value = 3.0,
+                                       .verdict = light::Verdict::wrong,
+                                       .words = "the felt is dark",
+                                       .remedy = "open the aperture"}};
+    };
+  }
   return reading;
 }
 
@@ -203,6 +212,21 @@ TEST(PipelineOfPhotographs, MakesTheFrameOfAShotAndKeepsThePhotograph) {
   DOUBLES_EQUAL(166.0, frame.images.at(0).centre_y_px, 0.0);  // all flashes' times were given
   CHECK_EQUAL("photographs/shot-0003-IMG_1.tif", frame.photograph);
   CHECK_EQUAL("ball 700", testing::read_text(session / frame.photograph));
+}
+
+TEST(PipelineOfPhotographs, WhatIsNotWellWithTheLightIsSaidOnce) {
+  shot(1);
+  put("a.tif", "ball 1 dark");
+  step_until(1, "the felt is dark");
+  STRCMP_CONTAINS("photograph of shot 1: ", said.c_str());
+  said.clear();
+  shot(2);
+  put("b.tif", "ball 2 dark");
+  step_until(1, "photograph of shot 2: dim");
+  shot(3);
+  put("c.tif", "ball 3");
+  step_until(1, "photograph of shot 3: dim");  // the light of the one before it has been judged
+  CHECK_TRUE(said.find("the felt is dark") == std::string::npos);
 }
 
 TEST(PipelineOfPhotographs, OneThatWasRenamedIsKeptBeforeItIsMeasured) {

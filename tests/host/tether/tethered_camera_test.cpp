@@ -107,6 +107,7 @@ TEST(TetheredCameras, TellWhatTheCameraMadeOfASettingAndWhatChanges) {
   STRCMP_CONTAINS("camera: Gain: 1 was asked for, the camera took 1.2 (in steps of .4)", told.c_str());
   STRCMP_CONTAINS("camera: Auto was Off and is Once", told.c_str());
   LONGS_EQUAL(told.find("Gain:"), told.rfind("Gain:"));  // once
+  LONGS_EQUAL(2, camera->take_opened().size());
 }
 
 TEST(TetheredCameras, HandOverPhotographsOfTheirFolderAloneAndLossesWithTheirExposure) {
