@@ -136,7 +136,7 @@ void Settings::set_trigger() {
     if (source.starts_with("Line")) lines.push_back(source);
   }
   // Line 0 is an input with some makers, an output with others; line 1 an input with most.
-  std::ranges::stable_partition(lines, [](const std::string& line) { return line == "Line1"; });
+  std::stable_partition(lines.begin(), lines.end(), [](const std::string& line) { return line == "Line1"; });
   if (lines.empty()) lines.push_back("Line1");
   set("TriggerSource", lines.front(), true, kSpoils);
   set_entry("TriggerActivation", {"RisingEdge", "LevelHigh"}, false, "it may expose at the wrong edge");
