@@ -125,8 +125,8 @@ class PhotographPipeline {
 
 struct PhotographOptions {
   std::string folder;               ///< empty: what the rig file's [camera] says
-  double exposure_s = 0.5;          ///< of a shot, for a camera that keeps its own time
   std::string effort = "standard";  ///< as `strobe digitize` has it
+  double exposure_s = 0.5;          ///< of a shot, for a camera that keeps its own time
 };
 
 /// Returns null if neither folder nor camera is named. Fails with one line if the folder cannot be watched,
