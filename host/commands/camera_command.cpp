@@ -307,7 +307,7 @@ void add_camera_command(CLI::App& app, int& exit_status) {
       "          strobe camera --rig rig.toml --snap focus.tif --overlay focus.png\n"
       "          strobe camera --rig rig.toml --watch\n"
       "          strobe camera --advise shots/*.tif\n"
-      "Exit status: 1 if the camera is set so that photographs are spoilt, no picture came, or its light is "
+      "Exit status: 1 if the camera is set so that photographs are spoiled, no picture came, or its light is "
       "wrong.");
   command->callback([options, command, &exit_status] {
     options->snap = command->count("--snap") > 0;

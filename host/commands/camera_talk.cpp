@@ -10,6 +10,7 @@
 
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/terminal.hpp"
+#include "host/photographs/photograph_pipeline.hpp"
 
 namespace strobe::host {
 namespace {
@@ -74,19 +75,6 @@ Result<std::unique_ptr<CameraDriver>> start_driver(const std::string& kind) {
   return CameraDriver::start(*program);
 }
 
-tether::OpenRequest open_request(const RigFile& rig, const fs::path& folder) {
-  const CameraConnection& connection = rig.camera.connection;
-  tether::OpenRequest open;
-  open.serial = connection.serial;
-  open.address = connection.address;
-  open.exposure_by_line = connection.exposure_by_line;
-  open.exposure_s = to_seconds(rig.plan.even.exposure);
-  open.set = connection.set;
-  open.folder = folder.string();
-  open.delete_from_camera = connection.delete_from_camera;
-  return open;
-}
-
 }  // namespace
 
 FoundCameras find_cameras() {
@@ -125,7 +113,8 @@ Result<PictureSource> PictureSource::open(const RigFile& rig) {
   auto driver = start_driver(std::string(host::name(kind)));
   if (!driver) return fail("camera.kind of the rig file: " + driver.error().message);
   source.driver_ = std::move(*driver);
-  source.driver_->send(open_request(rig, source.work_->path()));
+  source.driver_->send(
+      open_request(rig.camera.connection, source.work_->path(), to_seconds(rig.plan.even.exposure)));
   auto opened = wait_for_event<tether::OpenedEvent>(*source.driver_, "opening the camera", kAnswersWithin);
   if (!opened) return tl::unexpected(opened.error());
   source.opened_ = std::move(*opened);

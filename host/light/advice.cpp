@@ -198,8 +198,8 @@ std::optional<Advice> lamps(const LightMeasures& m) {
   const bool right = m.limbs->right > m.limbs->left;
   const double least = std::min(m.limbs->left, m.limbs->right),
                most = std::max(m.limbs->left, m.limbs->right);
-  constexpr double kMost = 99.0;
-  const double ratio = least > most / kMost ? most / least : kMost;
+  constexpr double kMaxRatio = 99.0;
+  const double ratio = least > most / kMaxRatio ? most / least : kMaxRatio;
   constexpr Range kRatio{-1.0, -1.0, 3.0, 6.0};
   Advice advice{.what = "lamps",
                 .value = ratio,
@@ -207,9 +207,10 @@ std::optional<Advice> lamps(const LightMeasures& m) {
                 .verdict = judge(ratio, kRatio)};
   const char* const brighter = right ? "right" : "left";
   const char* const dimmer = right ? "left" : "right";
-  advice.words = ratio < kMost ? fmt::format("the balls' {} limbs have {:.1f} times the light of the {} ones",
-                                             brighter, ratio, dimmer)
-                               : fmt::format("the balls' {} limbs have no light", dimmer);
+  advice.words = ratio < kMaxRatio
+                     ? fmt::format("the balls' {} limbs have {:.1f} times the light of the {} ones", brighter,
+                                   ratio, dimmer)
+                     : fmt::format("the balls' {} limbs have no light", dimmer);
   if (advice.verdict != Verdict::ok)
     advice.remedy = fmt::format(
         "does the lamp to the {} flash, and as strongly as the other? move it nearer or farther aside",

@@ -217,6 +217,14 @@ Result<std::unique_ptr<tether::TetheredCamera>> start_camera(const CameraConnect
   if (!program) return fail("camera.kind of the rig file: " + program.error().message);
   std::error_code error;
   fs::create_directories(folder, error);
+  return tether::TetheredCamera::start(*program, open_request(connection, folder, exposure_s), now);
+}
+
+}  // namespace
+
+tether::OpenRequest open_request(const CameraConnection& connection, const fs::path& folder,
+                                 double exposure_s) {
+  std::error_code error;
   tether::OpenRequest open;
   open.serial = connection.serial;
   open.address = connection.address;
@@ -225,10 +233,8 @@ Result<std::unique_ptr<tether::TetheredCamera>> start_camera(const CameraConnect
   open.set = connection.set;
   open.folder = fs::absolute(folder, error).string();
   open.delete_from_camera = connection.delete_from_camera;
-  return tether::TetheredCamera::start(*program, std::move(open), now);
+  return open;
 }
-
-}  // namespace
 
 Result<std::unique_ptr<PhotographPipeline>> open_pipeline(const RigFile& rig,
                                                           const PhotographOptions& options,

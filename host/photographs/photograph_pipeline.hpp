@@ -129,6 +129,10 @@ struct PhotographOptions {
   double exposure_s = 0.5;          ///< of a shot, for a camera that keeps its own time
 };
 
+/// What the rig file's camera is opened with; it puts its photographs into `folder`.
+tether::OpenRequest open_request(const CameraConnection& connection, const std::filesystem::path& folder,
+                                 double exposure_s);
+
 /// Returns null if neither folder nor camera is named. Fails with one line if the folder cannot be watched,
 /// the camera's driver is not installed, or the rig file gives no scale. The pipeline's first notifications
 /// name the folder, and tell if the calibration is old. A camera puts its photographs into keep_folder's

@@ -132,7 +132,7 @@ void TetheredCamera::on(const ReadyEvent&, HostTime) {
 void TetheredCamera::on(const PhotographEvent& event, HostTime) {
   // A name alone: whatever a driver says, nothing but what lies in its folder is taken.
   const std::filesystem::path name = std::filesystem::path(event.file).filename();
-  photographs_.push_back({std::filesystem::path(request_.folder) / name, event.exposed, event.number});
+  photographs_.push_back({std::filesystem::path(request_.folder) / name, event.exposed});
   // Told as it grows: a poor link loses some of every photograph.
   if (event.packets_resent > 2 * most_resent_)
     notifications_.push_back(fmt::format("camera: {} packets of {} were lost and sent again",

@@ -19,7 +19,6 @@ class TetheredCamera {
   struct Photograph {
     std::filesystem::path file;
     std::optional<ExposureStart> exposed;
-    std::int64_t number = -1;  ///< the camera's count
   };
 
   /// `program`: of CameraDriver::find(). The folder of `open` must be there. Fails with one line if the
@@ -34,11 +33,9 @@ class TetheredCamera {
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
   /// As it has been opened, and again when a setting or a problem is another one.
   std::vector<OpenedEvent> take_opened() { return std::exchange(news_, {}); }
-  /// One picture at once.
-  void snap(double exposure_s) { driver_->send(SnapRequest{exposure_s}); }
 
   /// Why nothing may be fired, for a person: it is not open, does not answer, or is set so that photographs
-  /// are spoilt. Empty: it is ready.
+  /// are spoiled. Empty: it is ready.
   std::string problem(HostTime now) const;
   /// As it was opened last; its settings. Absent: it has not been yet.
   const std::optional<OpenedEvent>& opened() const { return opened_; }

@@ -40,8 +40,8 @@ void GevCamera::make_frames() {
 
 /// What its automatic modes do from one frame to the next.
 void GevCamera::adjust_by_itself() {
-  constexpr double kMostGain_dB = 12.0, kShortest_us = 2'000.0, kLongest_us = 20'000.0;
-  const double gain_dB = kMostGain_dB * draws_.uniform();
+  constexpr double kMaxGain_dB = 12.0, kShortest_us = 2'000.0, kLongest_us = 20'000.0;
+  const double gain_dB = kMaxGain_dB * draws_.uniform();
   const double exposure_us = kShortest_us + (kLongest_us - kShortest_us) * draws_.uniform();
   if (device_->word(camera::kGainAuto) != 0) device_->set_number(camera::kGain, gain_dB);
   if (device_->word(camera::kExposureAuto) != 0) device_->set_number(camera::kExposureTime, exposure_us);

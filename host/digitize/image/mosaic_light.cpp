@@ -22,7 +22,7 @@ using Gains = std::array<float, 3>;
 /// that more than fourfold ones would gain.
 Gains gains_of(const cv::Mat& light, const cv::Mat& smooth, const image::Mosaic& mosaic, float scale) {
   constexpr int kStep = 7;  // odd, so that all colours come
-  constexpr float kShareOfBright = 0.25F, kMost = 4.0F;
+  constexpr float kShareOfBright = 0.25F, kMaxGain = 4.0F;
   std::vector<float> sums;
   for (int y = 0; y < light.rows; y += kStep)
     for (int x = 0; x < light.cols; x += kStep) sums.push_back(light.at<float>(y, x));
@@ -37,7 +37,7 @@ Gains gains_of(const cv::Mat& light, const cv::Mat& smooth, const image::Mosaic&
   }
   Gains gains{1.0F, 1.0F, 1.0F};
   for (std::size_t colour = 0; colour < gains.size(); ++colour)
-    if (!ratios[colour].empty()) gains[colour] = std::min(kMost, upper_median(std::move(ratios[colour])));
+    if (!ratios[colour].empty()) gains[colour] = std::min(kMaxGain, upper_median(std::move(ratios[colour])));
   return gains;
 }
 
