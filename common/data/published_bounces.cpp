@@ -14,11 +14,12 @@ constexpr std::array<std::string_view, 16> kBounceColumns{
     "row",       "ball",         "surface",        "incline_deg",       "vx_td_mps", "vx_td_sd_mps",
     "vy_td_mps", "vy_td_sd_mps", "omega_td_radps", "omega_td_sd_radps", "vx_lo_mps", "vx_lo_sd_mps",
     "vy_lo_mps", "vy_lo_sd_mps", "omega_lo_radps", "omega_lo_sd_radps"};
-constexpr std::array<std::string_view, 7> kBallColumns{"ball",  "build",    "diameter_m", "mass_kg",
-                                                       "alpha", "alpha_sd", "source"};
+constexpr std::array<std::string_view, 8> kBallColumns{"ball",  "build",    "diameter_m",    "mass_kg",
+                                                       "alpha", "alpha_sd", "poisson_ratio", "source"};
 constexpr std::array<std::string_view, 3> kSetColumns{"set", "publication", "read_from"};
-constexpr std::array<std::string_view, 7> kFrictionColumns{"set",          "surface",         "row",   "mu",
-                                                           "elsewhere_mu", "elsewhere_mu_sd", "reason"};
+constexpr std::array<std::string_view, 8> kFrictionColumns{
+    "set", "surface", "ground", "row", "mu", "elsewhere_mu", "elsewhere_mu_sd", "reason"};
+constexpr std::array<std::string_view, 4> kGrounds{"hard", "pad", "strings", "turf"};
 
 /// The cells of one row, each with its column's name for errors. The first thing wrong stays.
 class Row {
@@ -82,11 +83,10 @@ Bounce bounce_of(Row& row) {
   b.omega_td_radps = row.measured(8);
   b.vx_lo_mps = row.optional_measured(10);
   b.vy_lo_mps = row.optional_measured(12);
-  if (b.vx_lo_mps.has_value() != b.vy_lo_mps.has_value())
-    row.wrong(b.vx_lo_mps ? 12 : 10, "is missing beside the other velocity at lift-off");
   if (b.vy_lo_mps && !(b.vy_lo_mps->value > 0.0 && b.vy_lo_mps->value <= -b.vy_td_mps.value))
     row.wrong(12, "must be positive and not above that of touchdown");
-  b.omega_lo_radps = row.measured(14);
+  b.omega_lo_radps = row.optional_measured(14);
+  if (!b.vx_lo_mps && !b.omega_lo_radps) row.wrong(14, "is missing, and so is vx_lo_mps");
   return b;
 }
 
@@ -100,26 +100,35 @@ Ball ball_of(Row& row) {
   if (!(ball.mass_kg > 0.0)) row.wrong(3, "must be positive");
   ball.alpha = row.measured(4);
   if (!(ball.alpha.value > 0.0 && ball.alpha.value <= 2.0 / 3.0)) row.wrong(4, "must be in (0, 2/3]");
-  ball.source = row.text(6);
+  if (ball.build == Build::solid) {
+    ball.poisson_ratio = row.number(6);
+    if (!(*ball.poisson_ratio >= 0.0 && *ball.poisson_ratio <= 0.5)) row.wrong(6, "must be from 0 to 0.5");
+  } else if (!row.cell(6).empty()) {
+    row.wrong(6, "is a solid ball's");
+  }
+  ball.source = row.text(7);
   return ball;
 }
 
 Friction friction_of(Row& row, const Set& set) {
-  Friction f{.surface = row.text(1), .row = std::string(row.cell(2)), .reason = row.text(6)};
+  Friction f{.surface = row.text(1), .row = std::string(row.cell(3)), .reason = row.text(7)};
   const bool known =
       std::ranges::any_of(set.bounces, [&f](const Bounce& b) { return b.surface == f.surface; });
   if (!known) row.wrong(1, "'" + f.surface + "' is no surface of " + set.name);
   if (set.friction(f.surface) != nullptr) row.wrong(1, "'" + f.surface + "' is given twice");
-  if (f.row.empty() == row.cell(3).empty()) row.wrong(3, "must be given where row is not, and only there");
+  const auto ground = std::ranges::find(kGrounds, row.cell(2));
+  if (ground == kGrounds.end()) row.wrong(2, "must be hard, pad, strings or turf");
+  f.ground = static_cast<Ground>(ground - kGrounds.begin());
+  if (f.row.empty() == row.cell(4).empty()) row.wrong(4, "must be given where row is not, and only there");
   if (f.row.empty()) {
-    f.mu = row.number(3);
-    if (f.mu < 0.0) row.wrong(3, "must not be negative");
+    f.mu = row.number(4);
+    if (f.mu < 0.0) row.wrong(4, "must not be negative");
   } else {
     const Bounce* bounce = set.bounce(f.row);
     if (bounce == nullptr || !bounce->impulse_ratio())
-      row.wrong(2, "'" + f.row + "' is no row of " + set.name + " with velocities at lift-off");
+      row.wrong(3, "'" + f.row + "' is no row of " + set.name + " with velocities at lift-off");
   }
-  f.elsewhere = row.optional_measured(4);
+  f.elsewhere = row.optional_measured(5);
   return f;
 }
 

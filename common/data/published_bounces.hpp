@@ -22,7 +22,16 @@ struct Measured {
 
 enum class Build {
   shell,  ///< a hollow ball under felt: a tennis ball
-  solid,  ///< rubber throughout
+  solid,  ///< elastic throughout: rubber, ceramics
+};
+
+/// What it bounces on, by which models are valid.
+enum class Ground {
+  hard,  ///< deforms no more than the ball
+  pad,   ///< elastic, and gives way
+  strings,
+  turf,  ///< earth under grass or clay, which yields: its contact plane tilts
+         ///< (impact::contact_plane_tilt_rad)
 };
 
 struct Ball {
@@ -30,7 +39,8 @@ struct Ball {
   Build build = Build::shell;
   double diameter_m = 0.0;
   double mass_kg = 0.0;
-  Measured alpha{};  ///< I = alpha·m·R²
+  Measured alpha{};                       ///< I = alpha·m·R²
+  std::optional<double> poisson_ratio{};  ///< of a solid ball
   std::string source{};
 };
 
@@ -42,8 +52,7 @@ struct Bounce {
   /// Of the surface to the horizontal, falling towards +x; absent: not published.
   std::optional<double> incline_deg{};
   Measured vx_td_mps{}, vy_td_mps{}, omega_td_radps{};
-  std::optional<Measured> vx_lo_mps{}, vy_lo_mps{};  ///< absent: not published
-  Measured omega_lo_radps{};
+  std::optional<Measured> vx_lo_mps{}, vy_lo_mps{}, omega_lo_radps{};  ///< absent: not published
 
   /// -vy_LO/vy_TD; absent without vy_lo_mps.
   std::optional<double> restitution() const;
@@ -58,6 +67,7 @@ struct Friction {
   double mu = 0.0;                      ///< where no bounce tells it
   std::optional<Measured> elsewhere{};  ///< measured by others, or by the author on another day
   std::string reason{};
+  Ground ground = Ground::hard;
 };
 
 struct Set {
@@ -80,17 +90,17 @@ struct Bounces {
 };
 
 /// `name`.csv of a set. Fails, with source, line and column, on a missing or other header, no rows, a name
-/// given twice, an sd below 0, vy_td_mps not below 0, vy_lo_mps not above 0 or above that of touchdown, one
-/// velocity at lift-off without the other, a value without its sd, an incline outside 0…90.
+/// given twice, an sd below 0, vy_td_mps not below 0, vy_lo_mps not above 0 or above that of touchdown,
+/// neither vx nor spin at lift-off, a value without its sd, an incline outside 0…90.
 Result<std::vector<Bounce>> parse_bounces(std::string_view text, std::string_view source);
 
 /// balls.csv. Fails on sizes and masses that are not positive, alpha outside 0…2/3, a build that is neither
-/// `shell` nor `solid`, a name given twice.
+/// `shell` nor `solid`, a Poisson's ratio outside 0…0.5 or of a shell, a name given twice.
 Result<std::vector<Ball>> parse_balls(std::string_view text, std::string_view source);
 
 /// friction.csv, into the sets that it names. Fails on an unknown set, surface or row, a row without
 /// velocities at lift-off, neither or both of row and mu, a surface given twice, a surface of which it says
-/// nothing.
+/// nothing, an unknown ground.
 Result<void> parse_frictions(std::string_view text, std::string_view source, std::span<Set> sets);
 
 /// Reads `folder`/balls.csv, sets.csv, friction.csv and each set's file. Fails besides on a ball that

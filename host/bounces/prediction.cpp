@@ -6,6 +6,8 @@
 #include <string>
 
 #include "common/flight/gravity.hpp"
+#include "common/impact/closed_form/elastic_rebound.hpp"
+#include "common/impact/closed_form/turf.hpp"
 #include "common/impact/ode/contact_ode.hpp"
 #include "common/impact/ode/normal_spring.hpp"
 #include "common/units/angles.hpp"
@@ -21,9 +23,11 @@ using published::Measured;
 constexpr double kUnpublishedRestitution = 0.75;
 constexpr double kMinTangentialDamping = 0.01;  ///< least c_t of the mechanics, but none
 
-/// k_t/k of elastic bodies without slip at small displacements, 2(1 - nu)/(2 - nu), at Poisson's ratio 1/2 of
-/// rubber.
-constexpr double kIncompressibleStiffnessRatio = 2.0 / 3.0;
+constexpr double kPoissonOfRubber = 0.5;
+
+/// Normal speeds of the impacts that support the constants of grip and mechanics (a tennis ball's file,
+/// [contact]).
+constexpr double kLeastNormal_mps = 2.0, kMostNormal_mps = 16.0;
 
 ball::Ball ball_of(const Case& c, double alpha) {
   return {.diameter_m = c.ball.diameter_m, .mass_kg = c.ball.mass_kg, .alpha = alpha};
@@ -45,6 +49,10 @@ double impulse_ratio_under_weight(const Bounce& b, double dwell_s) {
          (b.vy_lo_mps->value - b.vy_td_mps.value + weight.into_mps2 * dwell_s);
 }
 
+double stiffness_ratio_of(const Case& c) {
+  return impact::mindlin_stiffness_ratio(c.ball.poisson_ratio.value_or(kPoissonOfRubber));
+}
+
 double mu_of(const Case& c, Model model) {
   if (model != Model::known) return c.mu();
   if (c.friction.elsewhere) return c.friction.elsewhere->value;
@@ -59,7 +67,7 @@ impact::ContactCoefficients coefficients_of(const Case& c, Model model) {
   out.gravity_mps2 = weight.into_mps2;
   out.gravity_along_mps2 = weight.along_mps2;
   if (c.ball.build == Build::solid) {
-    out.stiffness_ratio = kIncompressibleStiffnessRatio;
+    out.stiffness_ratio = stiffness_ratio_of(c);
     // c_t/k_t = c/k with c = 2·zeta·sqrt(k·m): c_t/sqrt(k_t·m) = 2·zeta·sqrt(k_t/k); none below what the
     // mechanics take.
     const auto zeta = impact::damping_ratio_from_restitution(out.e);
@@ -84,15 +92,24 @@ tl::expected<impact::Motion, impact::InputError> lift_off_of(const Case& c, Mode
       impact::Coefficients fitted = impact::kFittedToThesis;
       fitted.e = restitution_of(c.bounce);
       fitted.mu = c.mu();
+      if (!shell) fitted.offset_m *= c.ball.diameter_m / ball::kThesisDiameter_m;
       return impact::grip(ball_of(c, alpha), touchdown, fitted).map(motion);
     }
     case Model::mechanics:
       return impact::simulate(ball_of(c, shell ? impact::kContactAlpha : alpha), touchdown,
                               coefficients_of(c, model))
           .map(motion);
+    case Model::elastic:
+      return impact::elastic_rebound(
+                 ball_of(c, alpha), touchdown,
+                 {.e = restitution_of(c.bounce), .mu = c.mu(), .stiffness_ratio = stiffness_ratio_of(c)})
+          .map(motion);
     case Model::known:
       break;
   }
+  if (c.friction.ground == published::Ground::turf)
+    return impact::rigid_on_turf(ball_of(c, alpha), touchdown, restitution_of(c.bounce), mu_of(c, model))
+        .map(motion);
   return impact::simulate(ball_of(c, alpha), touchdown, coefficients_of(c, model)).map(motion);
 }
 
@@ -104,16 +121,19 @@ struct Difference {
 
 tl::expected<Difference, impact::InputError> difference_of(const Case& c, Model model) {
   return lift_off_of(c, model).map([&c](const impact::Motion& lift_off) {
-    return Difference{lift_off.vx_mps - (c.bounce.vx_lo_mps ? c.bounce.vx_lo_mps->value : lift_off.vx_mps),
-                      lift_off.omega_radps - c.bounce.omega_lo_radps.value};
+    const auto less = [](double predicted, const std::optional<Measured>& measured) {
+      return measured ? predicted - measured->value : 0.0;
+    };
+    return Difference{less(lift_off.vx_mps, c.bounce.vx_lo_mps),
+                      less(lift_off.omega_radps, c.bounce.omega_lo_radps)};
   });
 }
 
 /// The measured numbers that enter, each with its sd.
 std::vector<Measured*> numbers_of(Bounce& b) {
-  std::vector<Measured*> all{&b.vx_td_mps, &b.vy_td_mps, &b.omega_td_radps, &b.omega_lo_radps};
-  if (b.vx_lo_mps) all.push_back(&*b.vx_lo_mps);
-  if (b.vy_lo_mps) all.push_back(&*b.vy_lo_mps);
+  std::vector<Measured*> all{&b.vx_td_mps, &b.vy_td_mps, &b.omega_td_radps};
+  for (std::optional<Measured>* number : {&b.vx_lo_mps, &b.vy_lo_mps, &b.omega_lo_radps})
+    if (*number) all.push_back(&**number);
   return all;
 }
 
@@ -151,8 +171,9 @@ tl::expected<Residual, impact::InputError> residual_of(Case c, Model model) {
     vx_variance += std::pow((ends[1].vx_mps - ends[0].vx_mps) / 2.0, 2);
     omega_variance += std::pow((ends[1].omega_radps - ends[0].omega_radps) / 2.0, 2);
   }
-  Residual out{.vx_mps = std::nullopt, .omega_radps = {middle->omega_radps, std::sqrt(omega_variance)}};
+  Residual out;
   if (c.bounce.vx_lo_mps) out.vx_mps = Measured{middle->vx_mps, std::sqrt(vx_variance)};
+  if (c.bounce.omega_lo_radps) out.omega_radps = Measured{middle->omega_radps, std::sqrt(omega_variance)};
   return out;
 }
 
@@ -182,8 +203,25 @@ Result<Prediction> predict(const Case& bounce, Model model) {
   const auto residual = residual_of(bounce, model);
   if (!residual) return refused(residual.error());
   const bool given = bounce.tells_its_own_friction() && !(model == Model::known && bounce.friction.elsewhere);
-  return Prediction{
-      .lift_off = *lift_off, .residual = *residual, .mu = mu_of(bounce, model), .vx_is_given = given};
+  return Prediction{.lift_off = *lift_off,
+                    .residual = *residual,
+                    .mu = mu_of(bounce, model),
+                    .vx_is_given = given,
+                    .not_valid = not_valid(bounce, model)};
+}
+
+std::string_view not_valid(const Case& c, Model model) {
+  using published::Ground;
+  const Ground ground = c.friction.ground;
+  const bool shell = c.ball.build == Build::shell;
+  if (ground == Ground::turf) return model == Model::known ? "" : "ground yields";
+  if (ground == Ground::strings) return "strings give way";
+  if (model == Model::elastic) return shell ? "ball is hollow" : ground == Ground::pad ? "pad gives way" : "";
+  if (model == Model::rigid || (model == Model::known && !shell)) return "";
+  if (!shell) return "constants of a tennis ball";
+  const double normal_mps = -c.bounce.vy_td_mps.value;
+  const bool supported = normal_mps >= kLeastNormal_mps && normal_mps <= kMostNormal_mps;
+  return supported ? "" : "normal speed outside 2-16 m/s";
 }
 
 Weight weight_of(const Bounce& bounce) {
@@ -202,8 +240,8 @@ impact::Observation observation_of(const published::Bounce& b, double along_mps)
           .series = {},
           .touchdown = {b.vx_td_mps.value, b.vy_td_mps.value, b.omega_td_radps.value},
           .touchdown_sd = {b.vx_td_mps.sd, b.vy_td_mps.sd, b.omega_td_radps.sd},
-          .lift_off = {b.vx_lo_mps->value - along_mps, b.vy_lo_mps->value, b.omega_lo_radps.value},
-          .lift_off_sd = {b.vx_lo_mps->sd, b.vy_lo_mps->sd, b.omega_lo_radps.sd},
+          .lift_off = {b.vx_lo_mps->value - along_mps, b.vy_lo_mps->value, b.omega_lo_radps->value},
+          .lift_off_sd = {b.vx_lo_mps->sd, b.vy_lo_mps->sd, b.omega_lo_radps->sd},
           .e = e,
           .e_sd = e * std::hypot(b.vy_td_mps.sd / b.vy_td_mps.value, b.vy_lo_mps->sd / b.vy_lo_mps->value)};
 }
@@ -212,11 +250,11 @@ impact::Observation observation_of(const published::Bounce& b, double along_mps)
 
 std::optional<Balance> balance_of(const Case& c, bool with_weight) {
   const published::Bounce& b = c.bounce;
-  if (!b.vx_lo_mps) return std::nullopt;
+  if (!b.vx_lo_mps || !b.vy_lo_mps || !b.omega_lo_radps) return std::nullopt;
   const double radius_m = c.ball.diameter_m / 2.0;
   const double along_mps2 = with_weight ? weight_of(b).along_mps2 : 0.0;
   const double change_mps = b.vx_lo_mps->value - b.vx_td_mps.value - along_mps2 * c.dwell_s;
-  const double spin_mps = radius_m * (b.omega_lo_radps.value - b.omega_td_radps.value);
+  const double spin_mps = radius_m * (b.omega_lo_radps->value - b.omega_td_radps.value);
   if (spin_mps == 0.0) return std::nullopt;
   const auto friction = impact::rolling_friction(
       observation_of(b, along_mps2 * c.dwell_s),
@@ -226,8 +264,8 @@ std::optional<Balance> balance_of(const Case& c, bool with_weight) {
   const double alpha = change_mps / spin_mps;
   const double weight_sd_mps = along_mps2 * kDwellSd_s;
   const double change_sd = std::hypot(b.vx_lo_mps->sd, b.vx_td_mps.sd, weight_sd_mps);
-  const double slip_lo_mps = b.vx_lo_mps->value + radius_m * b.omega_lo_radps.value;
-  const double spin_sd = radius_m * std::hypot(b.omega_lo_radps.sd, b.omega_td_radps.sd);
+  const double slip_lo_mps = b.vx_lo_mps->value + radius_m * b.omega_lo_radps->value;
+  const double spin_sd = radius_m * std::hypot(b.omega_lo_radps->sd, b.omega_td_radps.sd);
   return Balance{.alpha = {alpha, std::hypot(change_sd, alpha * spin_sd) / std::abs(spin_mps)},
                  .offset_m = {friction->offset_m, friction->offset_sd_m},
                  .offset_sd_alpha_m = friction->offset_sd_alpha_m,

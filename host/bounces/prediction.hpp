@@ -29,14 +29,17 @@ enum class Model {
   /// The contact mechanics with what is known of this ball and this experiment: its alpha, the weight along
   /// an inclined
   /// surface (in the friction that a bounce tells, too), the friction measured elsewhere. A solid ball: k_t/k
-  /// = 2/3 (Mindlin, incompressible), dashpots of one
-  /// material (c_t/k_t = c/k), no offset.
+  /// of its Poisson's ratio (Mindlin), dashpots of one material (c_t/k_t = c/k), no offset. On turf: the
+  /// rigid body on a contact plane that tilts (impact::contact_plane_tilt_rad).
   known,
+  /// Stiff elastic ball (impact::elastic_rebound) of its Poisson's ratio; of a shell that of its rubber.
+  elastic,
 };
-inline constexpr std::array<Model, 4> kModels{Model::rigid, Model::grip, Model::mechanics, Model::known};
+inline constexpr std::array kModels{Model::rigid, Model::grip, Model::mechanics, Model::known,
+                                    Model::elastic};
 
 constexpr std::string_view name(Model model) {
-  constexpr std::array<std::string_view, 4> names{"rigid", "grip", "mechanics", "known"};
+  constexpr std::array<std::string_view, 5> names{"rigid", "grip", "mechanics", "known", "elastic"};
   return names[static_cast<std::size_t>(model)];
 }
 
@@ -64,19 +67,24 @@ std::vector<Case> cases_of(const published::Bounces& all, const published::Set& 
 
 /// Predicted less measured, with the sd of that difference.
 struct Residual {
-  std::optional<published::Measured> vx_mps{};  ///< absent: vx at lift-off is not published
-  published::Measured omega_radps;
+  std::optional<published::Measured> vx_mps{}, omega_radps{};  ///< absent: not published
 };
 
 struct Prediction {
   impact::Motion lift_off;
   Residual residual;
-  double mu = 0.0;           ///< that it was computed with
-  bool vx_is_given = false;  ///< mu is this bounce's own impulse ratio: its vx is no prediction
+  double mu = 0.0;               ///< that it was computed with
+  bool vx_is_given = false;      ///< mu is this bounce's own impulse ratio: its vx is no prediction
+  std::string_view not_valid{};  ///< as not_valid() says
 };
 
 /// Fails with the bounce's name and what the model refuses.
 Result<Prediction> predict(const Case& bounce, Model model);
+
+/// Why the model has no claim to this bounce; empty: it has. Rigid, grip and mechanics do not know ground
+/// that yields; the constants of grip and mechanics are a tennis ball's on a hard surface; the elastic ball
+/// is solid, on a surface that is hard.
+std::string_view not_valid(const Case& bounce, Model model);
 
 /// Acceleration of gravity along the surface in the direction of +x and into it; 0 where the incline is not
 /// published.
@@ -101,8 +109,8 @@ struct Balance {
   double e_x = 0.0;                ///< -slip_LO/slip_TD; negative where the ball slides to the end
 };
 
-/// With the weight along the surface taken off, or without. nullopt where vx at lift-off is not published, or
-/// where the spin did not change.
+/// With the weight along the surface taken off, or without. nullopt where a velocity or the spin at lift-off
+/// is not published, or where the spin did not change.
 std::optional<Balance> balance_of(const Case& bounce, bool with_weight);
 
 /// One alpha for all, weighted by the statistical sds; chi-square of its residuals.

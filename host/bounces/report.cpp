@@ -41,15 +41,16 @@ std::string vx_line(const Row& row) {
 }
 
 std::string omega_line(const Row& row, const std::string& begin) {
-  const Measured& omega = row.bounce.bounce.omega_lo_radps;
+  const Measured& omega = *row.bounce.bounce.omega_lo_radps;
   std::string line = begin + fmt::format("{:>6.1f} ± {:<6.1f}", omega.value, omega.sd);
   for (const Prediction& p : row.predictions)
-    line += fmt::format("  {:>9.1f}{:>6}", p.lift_off.omega_radps, z_text(p.residual.omega_radps));
+    line += fmt::format("  {:>9.1f}{:>6}", p.lift_off.omega_radps, z_text(*p.residual.omega_radps));
   return line + "\n";
 }
 
 std::string lines_of(const Row& row) {
   if (!row.bounce.bounce.vx_lo_mps) return omega_line(row, row_head(row.bounce, "omega"));
+  if (!row.bounce.bounce.omega_lo_radps) return vx_line(row);
   return vx_line(row) + omega_line(row, fmt::format("{:>27}{:>8}", "omega", ""));
 }
 
@@ -60,7 +61,8 @@ std::string agreement_lines(const std::vector<Row>& rows) {
     const Agreement a = agreement_of(rows, model);
     vx += a.vx_count > 0 ? fmt::format("  {:>9.2f}{:>6.1f}", a.vx_rms_mps, a.vx_z_rms)
                          : fmt::format("  {:>9}{:>6}", "-", "-");
-    omega += fmt::format("  {:>9.1f}{:>6.1f}", a.omega_rms_radps, a.omega_z_rms);
+    omega += a.omega_count > 0 ? fmt::format("  {:>9.1f}{:>6.1f}", a.omega_rms_radps, a.omega_z_rms)
+                               : fmt::format("  {:>9}{:>6}", "-", "-");
   }
   return vx + "\n" + omega + "\n";
 }
@@ -100,26 +102,32 @@ std::string mean_alpha_line(const std::vector<Row>& rows) {
       before.chi_square, after.chi_square, before.count - 1);
 }
 
+nlohmann::ordered_json value_json(const std::optional<Measured>& number) {
+  return number ? nlohmann::ordered_json(number->value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json sd_json(const std::optional<Measured>& number) {
+  return number ? nlohmann::ordered_json(number->sd) : nlohmann::ordered_json(nullptr);
+}
+
 nlohmann::ordered_json measured_json(const published::Bounce& b) {
-  using nlohmann::ordered_json;
-  return {{"vx_lo_mps", b.vx_lo_mps ? ordered_json(b.vx_lo_mps->value) : ordered_json(nullptr)},
-          {"vx_lo_sd_mps", b.vx_lo_mps ? ordered_json(b.vx_lo_mps->sd) : ordered_json(nullptr)},
-          {"omega_lo_radps", b.omega_lo_radps.value},
-          {"omega_lo_sd_radps", b.omega_lo_radps.sd}};
+  return {{"vx_lo_mps", value_json(b.vx_lo_mps)},
+          {"vx_lo_sd_mps", sd_json(b.vx_lo_mps)},
+          {"omega_lo_radps", value_json(b.omega_lo_radps)},
+          {"omega_lo_sd_radps", sd_json(b.omega_lo_radps)}};
 }
 
 nlohmann::ordered_json prediction_json(const Prediction& p) {
-  using nlohmann::ordered_json;
-  const auto& vx = p.residual.vx_mps;
   return {{"vx_lo_mps", p.lift_off.vx_mps},
           {"vy_lo_mps", p.lift_off.vy_mps},
           {"omega_lo_radps", p.lift_off.omega_radps},
           {"mu", p.mu},
           {"vx_is_given", p.vx_is_given},
-          {"vx_residual_mps", vx ? ordered_json(vx->value) : ordered_json(nullptr)},
-          {"vx_residual_sd_mps", vx ? ordered_json(vx->sd) : ordered_json(nullptr)},
-          {"omega_residual_radps", p.residual.omega_radps.value},
-          {"omega_residual_sd_radps", p.residual.omega_radps.sd}};
+          {"vx_residual_mps", value_json(p.residual.vx_mps)},
+          {"vx_residual_sd_mps", sd_json(p.residual.vx_mps)},
+          {"omega_residual_radps", value_json(p.residual.omega_radps)},
+          {"omega_residual_sd_radps", sd_json(p.residual.omega_radps)},
+          {"not_valid", p.not_valid}};
 }
 
 nlohmann::ordered_json balance_json(const std::optional<Balance>& balance) {
@@ -152,16 +160,17 @@ Result<std::vector<Row>> rows_of(const published::Bounces& all, const published:
 
 Agreement agreement_of(const std::vector<Row>& rows, Model model) {
   Agreement a;
-  const auto add = [](const Measured& residual, int& count, double& square, double& z_square) {
+  const auto add = [&a](const Measured& residual, int& count, double& square, double& z_square) {
     ++count;
     square += residual.value * residual.value;
     if (residual.sd > 0.0) z_square += std::pow(residual.value / residual.sd, 2);
+    if (std::abs(residual.value) <= kCoverageSds * residual.sd) ++a.covered;
   };
   for (const Row& row : rows) {
     const Prediction& p = row.predictions[static_cast<std::size_t>(model)];
     const Residual& r = p.residual;
     if (r.vx_mps && !p.vx_is_given) add(*r.vx_mps, a.vx_count, a.vx_rms_mps, a.vx_z_rms);
-    add(r.omega_radps, a.omega_count, a.omega_rms_radps, a.omega_z_rms);
+    if (r.omega_radps) add(*r.omega_radps, a.omega_count, a.omega_rms_radps, a.omega_z_rms);
   }
   for (double* sum : {&a.vx_rms_mps, &a.vx_z_rms}) *sum = a.vx_count > 0 ? std::sqrt(*sum / a.vx_count) : 0.0;
   for (double* sum : {&a.omega_rms_radps, &a.omega_z_rms})
@@ -173,6 +182,46 @@ std::string text(const published::Set& set, const std::vector<Row>& rows) {
   std::string out = set.name + "\n  " + set.publication + "\n" + head();
   for (const Row& row : rows) out += lines_of(row);
   return out + agreement_lines(rows) + balance_lines(rows) + mean_alpha_line(rows);
+}
+
+std::string summary_head() {
+  return fmt::format("{:<21}{:<10}{:>8}{:>13}{:>12}{:>17}{:>7}  {}\n", "set", "model", "numbers",
+                     "within 95 %", "rms vx m/s", "rms omega rad/s", "rms z", "valid");
+}
+
+namespace {
+
+std::string summary_line(const std::string& name_of_set, const std::vector<Row>& rows, Model model) {
+  std::vector<Row> valid;
+  std::string_view reason;
+  for (const Row& row : rows) {
+    const std::string_view against = row.predictions[static_cast<std::size_t>(model)].not_valid;
+    if (against.empty()) valid.push_back(row);
+    if (reason.empty()) reason = against;
+  }
+  const Agreement a = agreement_of(valid.empty() ? rows : valid, model);
+  const int count = a.vx_count + a.omega_count;
+  const double z =
+      std::sqrt((a.vx_count * a.vx_z_rms * a.vx_z_rms + a.omega_count * a.omega_z_rms * a.omega_z_rms) /
+                std::max(count, 1));
+  const auto rms = [](int of, double value, int digits) {
+    return of > 0 ? fmt::format("{:.{}f}", value, digits) : std::string("-");
+  };
+  const std::string says = valid.empty() ? fmt::format("no: {}", reason)
+                           : reason.empty()
+                               ? "yes"
+                               : fmt::format("{} of {} rows: {}", valid.size(), rows.size(), reason);
+  return fmt::format("{:<21}{:<10}{:>8}{:>11.0f} %{:>12}{:>17}{:>7.1f}  {}\n", name_of_set, name(model),
+                     count, 100.0 * a.covered / std::max(count, 1), rms(a.vx_count, a.vx_rms_mps, 3),
+                     rms(a.omega_count, a.omega_rms_radps, 1), z, says);
+}
+
+}  // namespace
+
+std::string summary(const published::Set& set, const std::vector<Row>& rows) {
+  std::string out;
+  for (const Model model : kModels) out += summary_line(out.empty() ? set.name : "", rows, model);
+  return out;
 }
 
 std::string json(const published::Set& set, const Row& row) {
@@ -200,9 +249,10 @@ namespace {
 
 constexpr std::array<const char*, kModels.size()> kColours{figures::colours::kConstrained,
                                                            figures::colours::kCubic, figures::colours::kZero,
-                                                           figures::colours::kTop};
+                                                           figures::colours::kTop, figures::colours::kBack};
 constexpr std::array kSymbols{figures::Symbol::open_square, figures::Symbol::open_triangle,
-                              figures::Symbol::open_circle, figures::Symbol::circle};
+                              figures::Symbol::open_circle, figures::Symbol::circle,
+                              figures::Symbol::triangle};
 
 figures::Panel panel_of(const std::vector<Row>& rows, published::Build build, const char* title,
                         bool legend) {
@@ -217,9 +267,10 @@ figures::Panel panel_of(const std::vector<Row>& rows, published::Build build, co
                            .colour = kColours[i],
                            .symbol = kSymbols[i]};
     for (const Row& row : rows) {
-      if (row.bounce.ball.build != build) continue;
+      if (row.bounce.ball.build != build || !row.bounce.bounce.omega_lo_radps) continue;
+      if (build == published::Build::shell && kModels[i] == Model::elastic) continue;  // says nothing of it
       series.points.push_back(
-          {.x = -row.bounce.bounce.omega_lo_radps.value, .y = -row.predictions[i].lift_off.omega_radps});
+          {.x = -row.bounce.bounce.omega_lo_radps->value, .y = -row.predictions[i].lift_off.omega_radps});
       most = std::max({most, series.points.back().x, series.points.back().y});
     }
     panel.series.push_back(std::move(series));
@@ -238,7 +289,7 @@ figures::Figure spin_figure(const std::vector<Row>& rows) {
   figures::Figure figure{.number = 1,
                          .title = "Spin after the bounces that others have published",
                          .caption = "Predicted before anything is fitted; models as in strobe bounces.",
-                         .legend_columns = 5};
+                         .legend_columns = 3};
   const auto add_panel = [&](published::Build build, const char* title) {
     const auto of_build = [build](const Row& row) { return row.bounce.ball.build == build; };
     if (std::ranges::any_of(rows, of_build))

@@ -33,20 +33,31 @@ TEST(BouncesCommand, PrintsOneJsonObjectABounce) {
   const CompletedProcess run = bounces({"--json"});
   LONGS_EQUAL(0, run.status->code);
   const auto rows = parse_json_lines(run.out);
-  LONGS_EQUAL(43, rows.size());  // 6 + 1 + 1 + 8 + 13 + 14
+  LONGS_EQUAL(66, rows.size());  // 6 + 1 + 1 + 8 + 13 + 14 + 23
   std::set<std::string> sets;
   for (const auto& row : rows) sets.insert(row["set"].get<std::string>());
-  LONGS_EQUAL(6, sets.size());
+  LONGS_EQUAL(7, sets.size());
   CHECK_EQUAL("wood_20", rows[0]["row"].get<std::string>());
   DOUBLES_EQUAL(-34.9, rows[0]["measured"]["omega_lo_radps"].get<double>(), 0.0);
   const auto& mechanics = rows[0]["predictions"]["mechanics"];
   DOUBLES_EQUAL(mechanics["omega_lo_radps"].get<double>() + 34.9,
                 mechanics["omega_residual_radps"].get<double>(), 1e-12);
   CHECK(rows.back()["measured"]["vx_lo_mps"].is_null());
+  CHECK_EQUAL("normal speed outside 2-16 m/s", mechanics["not_valid"].get<std::string>());
+  CHECK_EQUAL("wood_45", rows[1]["row"].get<std::string>());
+  CHECK_EQUAL("", rows[1]["predictions"]["mechanics"]["not_valid"].get<std::string>());
+  CHECK_EQUAL("constants of a tennis ball", rows.back()["predictions"]["grip"]["not_valid"].get<std::string>());
 }
 
 TEST(BouncesCommand, PrintsOneSet) {
   LONGS_EQUAL(8, parse_json_lines(bounces({"--set", "cross_2010", "--json"}).out).size());
+}
+
+TEST(BouncesCommand, TheReadmesTableIsWhatItSummarizes) {
+  const CompletedProcess run = bounces({"--summary"});
+  LONGS_EQUAL(0, run.status->code);
+  const std::string readme = read_text(std::string(STROBE_BOUNCES_FOLDER) + "/README.md");
+  CHECK_TEXT(readme.find("```\n" + run.out + "```\n") != std::string::npos, run.out.c_str());
 }
 
 TEST(BouncesCommand, NamesTheSetsThereAre) {
@@ -56,17 +67,17 @@ TEST(BouncesCommand, NamesTheSetsThereAre) {
   CHECK_EQUAL(
       "strobe: bounces: no set brody; there are cross_2002_table_2, cross_2002_table_1, "
       "cross_2002_superball, "
-      "cross_2010, cross_2014, lindsey_strings\n",
+      "cross_2010, cross_2014, lindsey_strings, kharaz_2001\n",
       run.err);
 }
 
 TEST(BouncesCommand, ReadsAFolderOfOnesOwnAndSaysWhatIsWrongInIt) {
   const TemporaryFolder folder;
   write_text(folder / "balls.csv",
-             "ball,build,diameter_m,mass_kg,alpha,alpha_sd,source\nb,shell,.066,.057,.55,.02,mine\n");
+             "ball,build,diameter_m,mass_kg,alpha,alpha_sd,poisson_ratio,source\nb,shell,.066,.057,.55,.02,,mine\n");
   write_text(folder / "sets.csv", "set,publication,read_from\nmine,none,my notes\n");
   write_text(folder / "friction.csv",
-             "set,surface,row,mu,elsewhere_mu,elsewhere_mu_sd,reason\nmine,wood,,.3,,,a guess\n");
+             "set,surface,ground,row,mu,elsewhere_mu,elsewhere_mu_sd,reason\nmine,wood,hard,,.3,,,a guess\n");
   const std::string header =
       "row,ball,surface,incline_deg,vx_td_mps,vx_td_sd_mps,vy_td_mps,vy_td_sd_mps,omega_td_radps,omega_td_sd_"
       "radps,"

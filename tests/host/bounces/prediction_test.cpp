@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/flight/gravity.hpp"
+#include "common/impact/closed_form/turf.hpp"
 #include "host/bounces/report.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -87,7 +88,7 @@ TEST(PublishedPrediction, TheSdOfASlidingRowIsThatOfItsChangeOfSpeed) {
   DOUBLES_EQUAL(-(c.bounce.vx_td_mps.value - c.bounce.vx_lo_mps->value) / arm, rigid.lift_off.omega_radps,
                 1e-9);
   const double by_speeds = std::hypot(c.bounce.vx_td_mps.sd, c.bounce.vx_lo_mps->sd) / arm;
-  DOUBLES_EQUAL(std::hypot(by_speeds, c.bounce.omega_lo_radps.sd), rigid.residual.omega_radps.sd, 1e-9);
+  DOUBLES_EQUAL(std::hypot(by_speeds, c.bounce.omega_lo_radps->sd), rigid.residual.omega_radps->sd, 1e-9);
   DOUBLES_EQUAL(0.0, rigid.residual.vx_mps->sd, 1e-9);  // vx is what it was computed from
 }
 
@@ -95,8 +96,8 @@ TEST(PublishedPrediction, TheSdOfASlidingRowIsThatOfItsChangeOfSpeed) {
 TEST(PublishedPrediction, TheSdOfARollingRowIsThatOfItsSpeedAtTouchdown) {
   const Case c = cross("emery_45");
   const Prediction rigid = predicted(c, Model::rigid);
-  DOUBLES_EQUAL(std::hypot(c.bounce.vx_td_mps.sd * 0.6 / 0.033, c.bounce.omega_lo_radps.sd),
-                rigid.residual.omega_radps.sd, 1e-9);
+  DOUBLES_EQUAL(std::hypot(c.bounce.vx_td_mps.sd * 0.6 / 0.033, c.bounce.omega_lo_radps->sd),
+                rigid.residual.omega_radps->sd, 1e-9);
   DOUBLES_EQUAL(std::hypot(c.bounce.vx_td_mps.sd * 0.6, c.bounce.vx_lo_mps->sd), rigid.residual.vx_mps->sd,
                 1e-9);
 }
@@ -142,6 +143,46 @@ TEST(PublishedPrediction, WhatTheModelsRefuseIsToldWithTheBouncesName) {
   const auto refused = predict(c, Model::rigid);
   CHECK(!refused);
   CHECK_EQUAL("wood_45: mu must not be negative", refused.error().message);
+}
+
+TEST(PublishedPrediction, AModelIsNotValidWhereItsBallOrGroundIsNotTheRows) {
+  const auto against = [](const Case& c, Model model) { return std::string(not_valid(c, model)); };
+  const Case tennis = cross("wood_45"), superball = case_of("cross_2014", "granite_37");
+  for (const Model model : {Model::rigid, Model::grip, Model::mechanics, Model::known})
+    CHECK_EQUAL("", against(tennis, model));
+  CHECK_EQUAL("ball is hollow", against(tennis, Model::elastic));
+  CHECK_EQUAL("", against(superball, Model::elastic));
+  CHECK_EQUAL("constants of a tennis ball", against(superball, Model::grip));
+  CHECK_EQUAL("normal speed outside 2-16 m/s", against(cross("wood_20"), Model::known));  // 1.27 m/s
+  CHECK_EQUAL("", against(cross("wood_20"), Model::rigid));
+  CHECK_EQUAL("pad gives way", against(case_of("cross_2010", "golf_pad"), Model::elastic));
+  for (const Model model : kModels)
+    CHECK_EQUAL("strings give way", against(case_of("lindsey_strings", "nxt_52"), model));
+}
+
+// Only there: on turf `known` is the rigid body on the plane that tilts, and on a hard surface it is not.
+TEST(PublishedPrediction, TheContactPlaneTiltsOnTurfAlone) {
+  Case golf = case_of("cross_2010", "golf_granite");
+  const impact::Motion touchdown{golf.bounce.vx_td_mps.value, golf.bounce.vy_td_mps.value, 0.0};
+  const ball::Ball ball{.diameter_m = golf.ball.diameter_m, .mass_kg = golf.ball.mass_kg, .alpha = 0.4};
+  const double e = *golf.bounce.restitution();
+  const double tilted = impact::rigid_on_turf(ball, touchdown, e, golf.mu())->lift_off.vx_mps;
+  CHECK(std::abs(predicted(golf, Model::known).lift_off.vx_mps - tilted) > 0.01);
+  golf.friction.ground = published::Ground::turf;
+  DOUBLES_EQUAL(tilted, predicted(golf, Model::known).lift_off.vx_mps, 1e-12);
+  CHECK_EQUAL("ground yields", std::string(not_valid(golf, Model::rigid)));
+  CHECK_EQUAL("", std::string(not_valid(golf, Model::known)));
+}
+
+// At .0947 friction an alumina sphere slides at 49.694° (kappa·tan/mu = 10.8, above 4·chi - 1 = 5.1), and every model has
+// vx = vx_TD - mu·(1 + e)·|vy|; at 9.5° a rigid ball rolls off with 5/7 of vx and an elastic one does not.
+TEST(PublishedPrediction, AnElasticBallReturnsSlipWhereARigidOneRolls) {
+  const Case slides = case_of("kharaz_2001", "speed_50"), grips = case_of("kharaz_2001", "speed_09");
+  const double vx = 2.9741 - slides.mu() * 1.98 * 2.5228;
+  DOUBLES_EQUAL(vx, predicted(slides, Model::elastic).lift_off.vx_mps, 2e-4);
+  DOUBLES_EQUAL(vx, predicted(slides, Model::rigid).lift_off.vx_mps, 2e-4);
+  DOUBLES_EQUAL(5.0 / 7.0 * 0.6434, predicted(grips, Model::rigid).lift_off.vx_mps, 1e-12);
+  CHECK(predicted(grips, Model::elastic).lift_off.vx_mps < 0.68 * 0.6434);
 }
 
 TEST_GROUP(PublishedBalance){};
@@ -190,8 +231,23 @@ TEST(PublishedAgreement, IsTheRootMeanSquareOfWhatIsPredicted) {
   LONGS_EQUAL(6, rigid.omega_count);
   LONGS_EQUAL(3, rigid.vx_count);  // the 20-degree rows tell the friction
   double square = 0.0;
-  for (const Row& row : *rows) square += std::pow(row.predictions[0].residual.omega_radps.value, 2);
+  for (const Row& row : *rows) square += std::pow(row.predictions[0].residual.omega_radps->value, 2);
   DOUBLES_EQUAL(std::sqrt(square / 6.0), rigid.omega_rms_radps, 1e-12);
+}
+
+TEST(PublishedAgreement, CountsWhatLiesWithin95Percent) {
+  const auto rows = rows_of(shipped(), *shipped().set("kharaz_2001"));
+  CHECK(rows.has_value());
+  int within = 0;
+  for (const Row& row : *rows) {
+    const Prediction& p = row.predictions[static_cast<std::size_t>(Model::elastic)];
+    if (p.residual.vx_mps && !p.vx_is_given && std::abs(p.residual.vx_mps->value) <= 1.96 * p.residual.vx_mps->sd)
+      ++within;
+    if (p.residual.omega_radps && std::abs(p.residual.omega_radps->value) <= 1.96 * p.residual.omega_radps->sd)
+      ++within;
+  }
+  LONGS_EQUAL(within, agreement_of(*rows, Model::elastic).covered);
+  LONGS_EQUAL(7, agreement_of(*rows, Model::elastic).vx_count);  // one tells the friction
 }
 
 TEST(PublishedAgreement, TheFigureHoldsEveryBounceOfItsKindOfBall) {
@@ -204,7 +260,7 @@ TEST(PublishedAgreement, TheFigureHoldsEveryBounceOfItsKindOfBall) {
   const figures::Figure figure = spin_figure(rows);
   LONGS_EQUAL(2, figure.panels.size());
   const auto& tennis = figure.panels[0].series;
-  LONGS_EQUAL(1 + 4, tennis.size());  // the line of agreement, then the models
+  LONGS_EQUAL(1 + 5, tennis.size());  // the line of agreement, then the models
   LONGS_EQUAL(6, tennis[1].points.size());
   LONGS_EQUAL(8, figure.panels[1].series[4].points.size());
   LONGS_EQUAL(1, spin_figure({rows.front()}).panels.size());  // no panel without points
