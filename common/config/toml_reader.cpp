@@ -240,6 +240,20 @@ std::vector<double> TomlTable::numbers_or(std::string_view key, const std::vecto
   return values;
 }
 
+std::vector<std::string> TomlTable::strings_or(std::string_view key,
+                                               const std::vector<std::string>& fallback) {
+  const toml::node* node = node_->find(key);
+  if (!node) return fallback;
+  const toml::array* array = node->as_array();
+  if (!array || (!array->empty() && !array->is_homogeneous<std::string>())) {
+    node_->report(key, node, "must be an array of texts in quotes");
+    return fallback;
+  }
+  std::vector<std::string> texts;
+  for (const toml::node& element : *array) texts.push_back(*element.value<std::string>());
+  return texts;
+}
+
 bool TomlTable::is_boolean(std::string_view key) const {
   return has(key) && node_->table->get(key)->is_boolean();
 }

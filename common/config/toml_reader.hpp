@@ -50,6 +50,7 @@ class TomlTable {
   std::string choice_or(std::string_view key, std::string_view fallback,
                         const std::vector<std::string_view>& words);
   std::vector<double> numbers_or(std::string_view key, const std::vector<double>& fallback, Range range = {});
+  std::vector<std::string> strings_or(std::string_view key, const std::vector<std::string>& fallback);
   bool is_integer(std::string_view key) const;  ///< present and an integer
   bool is_string(std::string_view key) const;
   bool is_boolean(std::string_view key) const;

@@ -21,31 +21,35 @@ std::optional<double> refined(const Flight& flight, std::optional<double> time_s
 
 }  // namespace
 
-double lift_coefficient(double radius_m, double omega_radps, double speed_mps) {
+double lift_coefficient(double radius_m, double omega_radps, double speed_mps, const AirLaw& law) {
   const double rim_mps = radius_m * std::abs(omega_radps);
-  return rim_mps > 0.0 ? rim_mps / (2.0 * rim_mps + speed_mps) : 0.0;
+  if (!(rim_mps > 0.0) || !(law.lift_offset > 0.0)) return 0.0;
+  return rim_mps / (law.lift_slope * rim_mps + law.lift_offset * speed_mps);
 }
 
 double Aerodynamics::lift_mps2(double speed_mps, double omega_radps) const {
-  const double lift = lift_per_m * lift_coefficient(radius_m, omega_radps, speed_mps) * speed_mps * speed_mps;
+  const double lift =
+      lift_per_m * lift_coefficient(radius_m, omega_radps, speed_mps, law) * speed_mps * speed_mps;
   return std::copysign(lift, omega_radps);
 }
 
-Aerodynamics aerodynamics(const ball::Ball& ball, double air_density_kgpm3, Effects effects) {
+Aerodynamics aerodynamics(const ball::Ball& ball, double air_density_kgpm3, Effects effects,
+                          const AirLaw& law) {
   const double radius = ball.radius_m();
   const double per_m = 0.5 * air_density_kgpm3 * kPi * radius * radius / ball.mass_kg;
-  return {effects.drag ? per_m * kDragCoefficient : 0.0, effects.magnus ? per_m : 0.0, radius};
+  const bool lifts = effects.magnus && law.lift_offset > 0.0;
+  return {effects.drag ? per_m * law.drag_coefficient : 0.0, lifts ? per_m : 0.0, radius, law};
 }
 
 Forcing forcing(const Aerodynamics& air, const Eigen::Vector2d& gravity_mps2, const Eigen::Vector2d& v,
                 double omega_radps, double more_lift_per_s) {
   const double speed = std::hypot(v.x(), v.y());
   if (!(speed > 0.0)) return {gravity_mps2};
-  // Lift is f(speed) (z x v) with f = lift_per_m R omega speed / (2 R|omega| + speed).
+  // Lift is f(speed) (z x v) with f = lift_per_m R omega speed / (slope R|omega| + offset speed).
   const double rim = air.radius_m * omega_radps;
-  const double sum = 2.0 * std::abs(rim) + speed;
+  const double sum = air.law.lift_slope * std::abs(rim) + air.law.lift_offset * speed;
   const double f = air.lift_per_m * rim * speed / sum + more_lift_per_s;
-  const double df = air.lift_per_m * rim * (2.0 * std::abs(rim) / sum) / sum;  // by the speed
+  const double df = air.lift_per_m * rim * (air.law.lift_slope * std::abs(rim) / sum) / sum;  // by the speed
   const double drag = air.drag_per_m * speed;
   const Eigen::Vector2d a{gravity_mps2.x() - drag * v.x() - f * v.y(),
                           gravity_mps2.y() - drag * v.y() + f * v.x()};

@@ -1,33 +1,17 @@
 // Air on a ball in flight: drag against the motion and the Magnus lift across it, and a flight with them over
 // the few milliseconds of a flash train. Axes as for parabola.hpp; spin counter-clockwise positive, so that
-// backspin (omega > 0 for a ball moving along +x) lifts.
-// Sources: C_D of tennis balls in flight 0.51 (Cross, Lindsey 2013) to 0.65 (Mehta, Alam, Subic 2008, new
-// felt); C_L = 1 / (2 + v / (R |omega|)) (Stepanek 1988, in the form of Cross). Pure functions of plain
+// backspin (omega > 0 for a ball moving along +x) lifts. Coefficients: air_law.hpp. Pure functions of plain
 // values: thread-safe, real-time safe, no allocation.
 #pragma once
 
 #include <optional>
 
 #include "common/ball/ball.hpp"
+#include "common/flight/air_law.hpp"
 #include "common/flight/effects.hpp"
 #include "common/flight/parabola.hpp"
 
 namespace strobe::flight {
-
-/// Of used balls, as experiments have them: between the smooth-felted and the new ball above.
-inline constexpr double kDragCoefficient = 0.55;
-/// Its standard deviation over balls and their wear: the measurements above lie within two.
-inline constexpr double kDragCoefficientSd = 0.05;
-
-/// Standard deviation of the lift coefficient as a share of it: measurements of several authors scatter by a
-/// fifth about the form above (Cross, Lindsey 2013).
-inline constexpr double kLiftCoefficientShareSd = 0.2;
-
-/// Friction of the air slows a spin, domega/dt = -kSpinDecay_per_m·|v|·omega, in the air below; .05 % in 3 ms
-/// at 17 m/s.
-inline constexpr double kSpinDecay_per_m = 0.01;
-/// Known in its order only: felt and seam decide it.
-inline constexpr double kSpinDecaySd_per_m = 0.005;
 
 /// Dry air at 20 degrees Celsius and 101 325 Pa.
 inline constexpr double kAirDensity_kgpm3 = 1.204;
@@ -37,14 +21,15 @@ constexpr double air_density_kgpm3(double temperature_degC) {
   return kAirDensity_kgpm3 * 293.15 / (273.15 + temperature_degC);
 }
 
-/// Lift coefficient C_L = R|omega| / (2 R|omega| + v), 0 without spin, at most 1/2. radius_m > 0, speed >= 0.
-double lift_coefficient(double radius_m, double omega_radps, double speed_mps);
+/// Lift coefficient C_L, 0 without spin, at most law.greatest_lift(). radius_m > 0, speed >= 0.
+double lift_coefficient(double radius_m, double omega_radps, double speed_mps, const AirLaw& law = {});
 
 /// What one ball feels in one air.
 struct Aerodynamics {
   double drag_per_m = 0.0;  ///< drag over m v^2: rho A C_D / (2 m)
   double lift_per_m = 0.0;  ///< lift over m v^2 C_L: rho A / (2 m)
   double radius_m = 0.5 * ball::kThesisDiameter_m;
+  AirLaw law{};  ///< drag_per_m is by its coefficient
 
   /// Deceleration along the path, positive, and lift, positive for backspin. [m/s^2]
   double drag_mps2(double speed_mps) const { return drag_per_m * speed_mps * speed_mps; }
@@ -52,7 +37,8 @@ struct Aerodynamics {
 };
 
 /// The ball's, leaving out what `effects` leaves out. diameter_m, mass_kg and density > 0.
-Aerodynamics aerodynamics(const ball::Ball& ball, double air_density_kgpm3, Effects effects = {});
+Aerodynamics aerodynamics(const ball::Ball& ball, double air_density_kgpm3, Effects effects = {},
+                          const AirLaw& law = {});
 
 /// Acceleration at one velocity, its derivative by the velocity, and how fast it changes along the path.
 struct Forcing {

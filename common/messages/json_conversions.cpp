@@ -6,8 +6,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "common/messages/air_law_json.hpp"
 #include "common/messages/parsed_json.hpp"
-#include "common/reduction/uncertainty.hpp"
 
 namespace strobe::messages {
 namespace {
@@ -56,10 +56,14 @@ class Fields {
   void text(const char* key, std::string& into) {
     const json* value = find(key);
     if (!value) return;
-    if (value->is_string())
-      into = value->get<std::string>();
-    else
-      wrong(key, "must be text");
+    if (!value->is_string()) return wrong(key, "must be text");
+    into = value->get<std::string>();
+  }
+  void boolean(const char* key, bool& into) {
+    const json* value = find(key);
+    if (!value) return;
+    if (!value->is_boolean()) return wrong(key, "must be true or false");
+    into = value->get<bool>();
   }
   void point(const std::string& key, const json& value, PointPx& into) {
     if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number()) {
@@ -71,20 +75,16 @@ class Fields {
 
  private:
   void take_number(const char* key, const json& value, double& into) {
-    if (value.is_number())
-      into = value.get<double>();
-    else
-      wrong(key, "must be a number");
+    if (!value.is_number()) return wrong(key, "must be a number");
+    into = value.get<double>();
   }
   void take_integer(const char* key, const json& value, int& into) {
     const bool fits =
         value.is_number_unsigned()
             ? value.get<std::uint64_t>() <= std::numeric_limits<int>::max()
             : value.is_number_integer() && value.get<std::int64_t>() >= std::numeric_limits<int>::min();
-    if (fits)
-      into = value.get<int>();
-    else
-      wrong(key, "must be a whole number of 32 bits");
+    if (!fits) return wrong(key, "must be a whole number of 32 bits");
+    into = value.get<int>();
   }
 
   const json& object_;
@@ -110,10 +110,8 @@ void read_covariance(Fields& fields, std::optional<std::array<double, 4>>& into)
     good = r.is_array() && r.size() == 2 && r[0].is_number() && r[1].is_number();
     if (good) c[2 * row] = r[0].get<double>(), c[2 * row + 1] = r[1].get<double>();
   }
-  if (good)
-    into = c;
-  else
-    fields.wrong("centre_cov_px2", "must be two rows of two numbers");
+  if (!good) return fields.wrong("centre_cov_px2", "must be two rows of two numbers");
+  into = c;
 }
 
 BallImage read_image(const json& object, const std::string& place, std::optional<Error>& error) {
@@ -233,6 +231,12 @@ Frame read_frame(const json& object, std::optional<Error>& error) {
   fields.number("ball_alpha_sd", frame.ball_alpha_sd);
   fields.number("fastest_spin_radps", frame.fastest_spin_radps);
   fields.number("air_density_kgpm3", frame.air_density_kgpm3);
+  fields.boolean("line_drawn", frame.line_drawn);
+  if (const json* object_of_law = fields.find("air_law")) {
+    const auto law = air_law_from_json(*object_of_law);
+    if (law) frame.air_law = *law;
+    if (!law && !error) error = law.error();
+  }
   read_record(fields, frame);
   read_map_errors(fields, frame, error);
   read_images(fields, frame, error);
@@ -324,126 +328,12 @@ std::string frame_to_json(const Frame& frame) {
   put(object, "ball_alpha_sd", frame.ball_alpha_sd);
   put(object, "fastest_spin_radps", frame.fastest_spin_radps);
   put(object, "air_density_kgpm3", frame.air_density_kgpm3);
+  if (!frame.line_drawn) object["line_drawn"] = false;
+  if (frame.air_law) object["air_law"] = air_law_json(*frame.air_law);
   if (!frame.record.empty()) object["record"] = frame.record;
   object["images"] = ordered_json::array();
   for (const BallImage& image : frame.images) object["images"].push_back(image_json(image));
   return json_text(object);
 }
-
-namespace {
-
-using nlohmann::ordered_json;
-using reduction::Quantities;
-using reduction::Readout;
-
-void put(ordered_json& object, const Quantities& quantities) {
-  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
-    const auto quantity = static_cast<reduction::Quantity>(i);
-    object[std::string(name(quantity))] = or_null(quantities[quantity]);
-  }
-}
-
-ordered_json quantities_json(const Quantities& quantities) {
-  ordered_json object = ordered_json::object();
-  put(object, quantities);
-  return object;
-}
-
-Quantities expanded(const reduction::Numbers& numbers) {
-  Quantities all;
-  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
-    const auto quantity = static_cast<reduction::Quantity>(i);
-    all[quantity] = reduction::expanded_uncertainty(numbers, quantity);
-  }
-  return all;
-}
-
-ordered_json launch_json(const reduction::Launch& launch) {
-  const auto put = [](ordered_json& object, const Quantities& quantities) {
-    for (const auto& [name, quantity] : reduction::kLaunchQuantities)
-      object[std::string(name)] = or_null(quantities[quantity]);
-  };
-  ordered_json object{{"time_s", launch.time_s}};
-  put(object, launch.value);
-  put(object["sd"], launch.sd);
-  put(object["sd_systematic"], launch.sd_systematic);
-  put(object["degrees_of_freedom"], launch.degrees_of_freedom);
-  put(object["expanded_uncertainty"], expanded(launch));
-  return object;
-}
-
-template <std::size_t kCount>
-ordered_json names_json(const std::array<std::string_view, kCount>& names, const std::bitset<kCount>& set) {
-  ordered_json list = ordered_json::array();
-  for (std::size_t i = 0; i < kCount; ++i) {
-    if (set[i]) list.push_back(std::string(names[i]));
-  }
-  return list;
-}
-
-ordered_json contact_json(const reduction::ContactImage& image) {
-  return {{"height_cm", image.height_cm},
-          {"time_fraction", image.time_fraction},
-          {"x_fraction", image.x_fraction},
-          {"y_fraction", image.y_fraction},
-          {"rotation_fraction", image.rotation_fraction}};
-}
-
-void put_flashes(ordered_json& object, const std::optional<reduction::ImagedFlashes>& flashes) {
-  object["first_flash"] = flashes ? ordered_json(flashes->first) : ordered_json();
-  object["last_flash"] = flashes ? ordered_json(flashes->last) : ordered_json();
-  object["misassignment_probability"] =
-      flashes ? ordered_json(flashes->misassignment_probability) : ordered_json();
-}
-
-void put_assignments(ordered_json& object, const std::optional<reduction::Assignments>& assignments) {
-  object["assignments"] = assignments ? ordered_json(assignments->hypotheses) : ordered_json();
-  object["sd_assignments"] = assignments ? quantities_json(assignments->sd) : ordered_json();
-}
-
-void put_residual_ratios(ordered_json& object, const reduction::ResidualRatios& ratios) {
-  object["residual_ratio"] = or_null(ratios.all);
-  ordered_json& by_kind = object["residual_ratio_by_kind"] = ordered_json::object();
-  for (std::size_t i = 0; i < reduction::kMeasurementKindCount; ++i)
-    by_kind[std::string(reduction::kMeasurementKindNames[i])] = or_null(ratios.by_kind[i]);
-}
-
-}  // namespace
-
-ordered_json readout_json(const Readout& readout) {
-  ordered_json object;
-  object["shot_id"] = readout.shot_id;
-  put(object, readout.value);
-  object["regime"] = readout.regime ? ordered_json(std::string(name(*readout.regime))) : ordered_json();
-  object["court_pace_conforming"] = readout.court_pace_conforming;
-  object["method"] = readout.method;
-  object["mirrored"] = readout.mirrored;
-  std::bitset<flight::kEffectNames.size()> effects;
-  for (std::size_t i = 0; i < effects.size(); ++i)
-    effects[i] = readout.flight_effects.*flight::kEffectMembers[i];
-  object["flight_effects"] = names_json(flight::kEffectNames, effects);
-  object["flags"] = names_json(reduction::kFlagNames, readout.flags.bits());
-  put_flashes(object, readout.flashes);
-  put_assignments(object, readout.assignments);
-  object["sd"] = quantities_json(readout.sd);
-  object["sd_systematic"] = quantities_json(readout.sd_systematic);
-  object["degrees_of_freedom"] = quantities_json(readout.degrees_of_freedom);
-  object["expanded_uncertainty"] = quantities_json(expanded(readout));
-  put_residual_ratios(object, readout.residual_ratios);
-  object["spin_told_by"] = names_json(reduction::kSpinEvidenceNames, readout.spin_told_by.bits());
-  if (const auto& cause = readout.likely_cause)
-    object["likely_cause"] = {{"cause", name(cause->cause)}, {"value", cause->value}, {"sd", cause->sd}};
-  if (readout.launch) object["launch"] = launch_json(*readout.launch);
-  if (readout.legacy) {
-    object["far"] = quantities_json(readout.legacy->far);
-    object["contact"] = ordered_json::array();
-    for (const auto& image : readout.legacy->contact) object["contact"].push_back(contact_json(image));
-  }
-  object["record"] = ordered_json::object();
-  for (const auto& [key, value] : readout.record) object["record"][key] = value;
-  return object;
-}
-
-std::string readout_to_json(const Readout& readout) { return json_text(readout_json(readout)); }
 
 }  // namespace strobe::messages

@@ -138,7 +138,7 @@ class Collector {
     if (!open) {
       move_air(kDragError, 1.0,
                {.source = Source::drag,
-                .input_sd = kPercent * flight::kDragCoefficientSd / flight::kDragCoefficient,
+                .input_sd = kPercent * estimated_.air.law.drag_share_sd(),
                 .input_unit = "%"});
     }
     for (std::size_t leg = 0; leg < 2; ++leg) {
@@ -151,7 +151,7 @@ class Collector {
       BudgetSource source{.source = open ? Source::unknown_spin : known};
       if (open) source.number = static_cast<int>(leg) + 1;
       if (!open) {
-        source.input_sd = kPercent * flight::kLiftCoefficientShareSd;
+        source.input_sd = kPercent * estimated_.air.law.lift_share_sd;
         source.input_unit = "%";
       }
       move_air(p, sign, source);

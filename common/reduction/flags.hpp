@@ -43,9 +43,10 @@ enum class Flag {
                        // share
   spin_limit_assumed,  // a spin faster than any in play explains all as well; nobody said how fast the ball
                        // can spin
+  air_extrapolated,    // the ball flew slower or faster than its kind's drag and lift were measured at
 };
 
-inline constexpr std::array<std::string_view, 26> kFlagNames{"late_flash",
+inline constexpr std::array<std::string_view, 27> kFlagNames{"late_flash",
                                                              "missing_flash",
                                                              "double_flash",
                                                              "flash_match_ambiguous",
@@ -70,7 +71,8 @@ inline constexpr std::array<std::string_view, 26> kFlagNames{"late_flash",
                                                              "scale_contradicts_ball",
                                                              "residuals_exceed_noise",
                                                              "scale_sd_unknown",
-                                                             "spin_limit_assumed"};
+                                                             "spin_limit_assumed",
+                                                             "air_extrapolated"};
 inline constexpr std::size_t kFlagCount = kFlagNames.size();
 
 constexpr std::string_view name(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }

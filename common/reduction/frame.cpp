@@ -80,6 +80,15 @@ Complaint invalid_noise(const Frame& frame) {
   return std::nullopt;
 }
 
+Complaint invalid_law(const flight::AirLaw& law) {
+  for (const flight::AirLawField& field : flight::kAirLawFields) {
+    if (!within(law.*field.member, field.least, field.most))
+      return "air_law." + std::string(field.name) + ": is out of range";
+  }
+  if (law.least_mps > law.most_mps) return "air_law.most_mps: must not be below least_mps";
+  return std::nullopt;
+}
+
 Complaint invalid_constants(const Frame& frame) {
   if (!within(frame.ball_diameter_m, 0.01, 1.0)) return "ball_diameter_m: must be from 0.01 to 1";
   if (bad(frame.ball_diameter_sd_m, 0.0, 1.0)) return "ball_diameter_sd_m: must be from 0 to 1";
@@ -91,6 +100,9 @@ Complaint invalid_constants(const Frame& frame) {
   if (bad(frame.fastest_spin_radps, 1e-9, 1e9)) return "fastest_spin_radps: must be from 1e-9 to 1e9";
   if (bad(frame.ball_alpha_sd, 0.0, ball::kThinShellAlpha)) return "ball_alpha_sd: must be from 0 to 2/3";
   if (bad(frame.air_density_kgpm3, 0.0, 100.0)) return "air_density_kgpm3: must be from 0 to 100";
+  if (frame.air_law) {
+    if (const Complaint c = invalid_law(*frame.air_law)) return c;
+  }
   if (!within(frame.surface_angle_deg, -90.0, 90.0)) return "surface_angle_deg: must be from -90 to 90";
   if (bad(frame.temperature_c, kMinTemperature_degC, kMaxTemperature_degC)) {
     return "temperature_c: must be from -60 to 100";

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/flight/air_law.hpp"
 #include "common/shot/leg.hpp"
 
 namespace strobe::reduction {
@@ -92,6 +93,8 @@ struct Frame {
   /// kFastestRim_mps is assumed where the flashes leave it open, and that is flagged.
   std::optional<double> fastest_spin_radps;
   std::optional<double> air_density_kgpm3;  ///< 0 to 100; absent: dry air of the temperature, 1.204 without
+  bool line_drawn = true;                   ///< around the ball; without one no spin is expected
+  std::optional<flight::AirLaw> air_law;    ///< of this kind of ball; absent: a tennis ball's
   Record record;
   std::vector<BallImage> images;
 };

@@ -55,7 +55,7 @@ double LiftMisfit::chi_squared(const std::array<std::optional<double>, 2>& omega
       lift[static_cast<Eigen::Index>(leg)] = lift_per_s(air_, speed_mps_[leg], *omega_radps[leg]);
   }
   // The coefficient's error is the ball's: of both legs the same.
-  const Eigen::Vector2d sd = flight::kLiftCoefficientShareSd * lift;
+  const Eigen::Vector2d sd = air_.law.lift_share_sd * lift;
   const Eigen::Matrix2d covariance = covariance_ + sd * sd.transpose();
   const Eigen::Vector2d miss = seen_per_s_ - lift;
   const double chi_squared = miss.dot(covariance.ldlt().solve(miss));

@@ -23,7 +23,7 @@ class LiftMisfit {
   explicit LiftMisfit(const ShotFit& fit);
 
   /// Of the lifts seen, given the spins before and after the bounce; absent: any. The lift coefficient is
-  /// known to flight::kLiftCoefficientShareSd. 0 where nothing is known.
+  /// known to the law's share. 0 where nothing is known.
   double chi_squared(const std::array<std::optional<double>, 2>& omega_radps) const;
 
  private:

@@ -60,6 +60,14 @@ struct Group {
   std::vector<const AssignedTimes*> members;
 };
 
+/// A height goes with the square of the speed, but for what drag changes in its small part.
+void follow(double own_mps, const Readout& mixed, Quantity q, DerivedNumber& height) {
+  const double own = std::abs(own_mps), now = std::abs(*mixed.value[q]);
+  if (!(own > 0.0 && now > 0.0)) return;
+  height.value *= (now / own) * (now / own);
+  height.sd = std::hypot(height.sd, 2.0 * height.value / now * mixed.assignments->sd[q].value_or(0.0));
+}
+
 /// What a readout's numbers are at other times than its own, to first order.
 std::array<double, kQuantityCount> changes(const Readout& readout, const AssignedTimes& own,
                                            const AssignedTimes& other) {
@@ -164,6 +172,11 @@ void scale_part(Budget& budget, Quantity q, bool systematic, double to) {
   if (!(now > 0.0)) return;
   for (BudgetSource& s : budget.sources)
     if (is_systematic(s.source) == systematic) s.effect[static_cast<std::size_t>(q)] *= to / now;
+  if (systematic) return;  // none of it is the shot's own
+  for (std::size_t k = 0; k < kQuantityCount; ++k) {
+    budget.own_covariance[static_cast<std::size_t>(q)][k] *= to / now;
+    budget.own_covariance[k][static_cast<std::size_t>(q)] *= to / now;
+  }
 }
 
 void add_assignments(const Readout& readout, Budget& budget) {
@@ -178,6 +191,7 @@ void add_assignments(const Readout& readout, Budget& budget) {
     scale_part(budget, q, false, std::sqrt(std::max(0.0, (sd - between) * (sd + between))));
     scale_part(budget, q, true, readout.sd_systematic[q].value_or(0.0));
     assignment.effect[i] = between;
+    budget.own_covariance[i][i] += between * between;
   }
   if (!any) return;
   const auto place = std::ranges::find_if(
@@ -190,9 +204,14 @@ void add_assignments(const Readout& readout, Budget& budget) {
 void mix(std::span<const MixtureComponent> hypotheses, Readout& likeliest) {
   likeliest.assignments.emplace().hypotheses = 0;
   likeliest.covariance.reset();
+  const Quantities own = likeliest.value;
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
     if (likeliest.value[q]) mix(moments_of(hypotheses, q), q, likeliest);
+  }
+  if (likeliest.drop) {
+    follow(*own[Quantity::vy_td_mps], likeliest, Quantity::vy_td_mps, likeliest.drop->fall_height_m);
+    follow(*own[Quantity::vy_lo_mps], likeliest, Quantity::vy_lo_mps, likeliest.drop->rebound_height_m);
   }
   double all = 0.0, other = 0.0;
   for (const MixtureComponent& h : hypotheses) {

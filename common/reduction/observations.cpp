@@ -231,6 +231,8 @@ std::optional<Observations> observe(const Frame& frame, FlagSet& flags, NoiseSou
   all.alpha_sd = frame.ball_alpha_sd.value_or(ball::kAlphaSd);
   all.air_density_kgpm3 =
       frame.air_density_kgpm3.value_or(flight::air_density_kgpm3(temperature_c(frame).value_or(20.0)));
+  if (frame.air_law) all.air_law = *frame.air_law;
+  all.line_drawn = frame.line_drawn;
   const double guess = kGuessOfDiameter * frame.ball_diameter_m;
   all.group_sd[NoiseGroup::centre] = all.group_sd[NoiseGroup::surface] = all.group_sd[NoiseGroup::diameter] =
       guess;

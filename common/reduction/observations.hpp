@@ -94,6 +94,8 @@ struct Observations {
   double alpha_sd = ball::kAlphaSd;
   std::optional<double> stated_fastest_radps;  ///< Frame::fastest_spin_radps
   double air_density_kgpm3 = flight::kAirDensity_kgpm3;
+  flight::AirLaw air_law;
+  bool line_drawn = true;
   geometry::SurfaceFrame surface;
   GroupSds group_sd;
 

@@ -6,50 +6,15 @@
 #include <initializer_list>
 #include <limits>
 
+#include "common/flight/vertical.hpp"
 #include "common/reduction/flight_effects.hpp"
+#include "common/reduction/group_rows.hpp"
 #include "common/reduction/surface_crossing.hpp"
 #include "common/statistics/distributions.hpp"
 #include "common/units/angles.hpp"
 
 namespace strobe::reduction {
 namespace {
-
-/// A whitened measurement of estimated noise, with its non-zero columns.
-struct GroupRow {
-  NoiseGroup noise = NoiseGroup::stated;
-  std::size_t leg = 0;
-  std::array<double, 4> own{};
-  double tilt = 0.0, height = 0.0, scale = 0.0;
-
-  double operator*(const JointVector& u) const {
-    const double* z = &u[kLegStart[leg]];
-    return own[0] * z[0] + own[1] * z[1] + own[2] * z[2] + own[3] * z[3] + tilt * u[kTilt] +
-           height * u[kHeight] + scale * u[kScale];
-  }
-};
-
-std::vector<GroupRow> group_rows(const ShotFit& fit) {
-  const Observations& all = fit.observations;
-  const geometry::Rotation2d tilt = tilt_of(fit.joint);
-  std::vector<GroupRow> rows;
-  for (const Observation& o : all.images) {
-    const bool centre = o.use_centre && o.centre_noise != NoiseGroup::stated;
-    if (centre && fit.joint.legs[leg_index(*o.leg)].fitted) {
-      for (const auto& r : image_rows(all, fit.joint, tilt, o).row) {
-        rows.push_back({o.centre_noise, leg_index(*o.leg), {r[0], r[1], r[2], r[3]}, r[4], 0.0, r[5]});
-      }
-    }
-    if (o.use_diameter && o.diameter_noise != NoiseGroup::stated) {
-      rows.push_back({o.diameter_noise, 0, {}, 0.0, 0.0, all.ball_diameter_m / all.diameter_sd(o)});
-    }
-  }
-  if (all.surface_noise == NoiseGroup::stated) return rows;
-  const double weight = 1.0 / all.surface_sd();
-  for (const Eigen::Vector2d& p : all.surface_m) {
-    rows.push_back({all.surface_noise, 0, {}, weight * surface_lever_m(fit.joint, p), weight, 0.0});
-  }
-  return rows;
-}
 
 /// What of a number is a quotient, and by what it is divided.
 struct Quotient {
@@ -244,7 +209,8 @@ class Propagation {
   void legs() {
     for (std::size_t leg = 0; leg < (fit_.observations.has_surface() ? 2 : 1); ++leg) {
       crossing_[leg] = crossing(fit_, leg);
-      if (!fit_.joint.legs[leg].fitted || !fit_.spin[leg]) readout_.flags.set(Flag::too_few_images);
+      const bool spin_lacks = fit_.observations.line_drawn && !fit_.spin[leg];
+      if (!fit_.joint.legs[leg].fitted || spin_lacks) readout_.flags.set(Flag::too_few_images);
       if (fit_.joint.legs[leg].fitted && !crossing_[leg]) readout_.flags.set(Flag::degenerate_geometry);
       if (fit_.spin[leg]) omega_[leg] = spin_at_surface(leg);
     }
@@ -273,6 +239,7 @@ class Propagation {
     } else {
       readout_.flags.set(Flag::degenerate_geometry);
     }
+    drop(td, lo);
     if (temperature_c)
       put(Quantity::court_pace, court_pace_rating(e, mu, *temperature_c),
           {{e * kRestitutionPoints, td.vy_mps}, {mu * kFrictionPoints, bounce}});
@@ -377,6 +344,44 @@ class Propagation {
     readout_.sd_systematic[quantity] = uncertainty_.systematic(number);
     for (std::size_t i = 0; i < time_response_.size(); ++i)
       readout_.by_time[i][static_cast<std::size_t>(quantity)] = dot(number.grad, time_response_[i]);
+  }
+
+  void drop(const SurfaceCrossing& td, const SurfaceCrossing& lo) {
+    readout_.drop.reset();
+    const Eigen::Vector2d& gravity = fit_.observations.gravity_mps2;
+    const auto upright = [](double along, double across) {
+      return std::abs(along) <= kDropSlope * std::abs(across);
+    };
+    if (!upright(gravity.x(), gravity.y()) || !upright(td.vx_mps.value, td.vy_mps.value) ||
+        !upright(lo.vx_mps.value, lo.vy_mps.value))
+      return;
+    const double g = gravity.norm();
+    const Number drag = drag_per_m();
+    const auto fall = flight::fall_m(-td.vy_mps.value, drag.value, g);
+    const auto rise = flight::rise_m(lo.vy_mps.value, drag.value, g);
+    if (!std::isfinite(fall.value) || !std::isfinite(rise.value)) return;
+    const auto told = [&](const flight::VerticalNumber& height, const Number& speed) {
+      const Number number = chain(speed, drag, height.value, height.by_input, height.by_drag_per_m);
+      const auto statistical = uncertainty_.statistical(number);
+      // A drag that does not matter to the velocities may matter to a flight that goes on.
+      const double by_drag =
+          fit_.effects.drag && fit_.joint.air_used
+              ? 0.0
+              : height.by_drag_per_m * drag.value * fit_.observations.air_law.drag_share_sd();
+      return DerivedNumber{height.value, statistical ? statistical->sd : 0.0,
+                           std::hypot(uncertainty_.systematic(number).value_or(0.0), by_drag)};
+    };
+    readout_.drop = Drop{told(fall, -td.vy_mps), told(rise, lo.vy_mps)};
+  }
+
+  /// As fitted, or as assumed where it is not.
+  Number drag_per_m() const {
+    const Observations& all = fit_.observations;
+    const double assumed = flight::aerodynamics(all.ball, all.air_density_kgpm3, {}, all.air_law).drag_per_m;
+    Number drag(assumed * (1.0 + fit_.air_fit.value[kDragError]));
+    drag.grad[kAir + kDragError] = assumed;
+    drag.grad[kDiameter] = 2.0 * drag.value / all.ball_diameter_m;
+    return drag;
   }
 
   void withhold(Quantity quantity) {

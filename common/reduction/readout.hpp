@@ -167,6 +167,9 @@ struct Launch : Numbers {
   double time_s = 0.0;  ///< of that image, as in the frame
 };
 
+/// Velocity along the surface over that across it, at most, of a ball that is dropped.
+inline constexpr double kDropSlope = 0.1;
+
 /// Names of a launch's numbers, and where they stand.
 struct LaunchQuantity {
   std::string_view name;
@@ -178,8 +181,23 @@ inline constexpr std::array<LaunchQuantity, 5> kLaunchQuantities{{{"speed_mps", 
                                                                   {"vy_mps", Quantity::vy_td_mps},
                                                                   {"omega_radps", Quantity::omega_td_radps}}};
 
+/// A number that follows from the readout's, with its standard deviations as in Numbers.
+struct DerivedNumber {
+  double value = 0.0;
+  double sd = 0.0;
+  double sd_systematic = 0.0;
+};
+
+/// Of a ball that fell straight down on a level surface, in the air as fitted: heights of its lowest point
+/// above the surface (common/flight/vertical.hpp).
+struct Drop {
+  DerivedNumber fall_height_m;     ///< from which a fall from rest ends with vy at touchdown
+  DerivedNumber rebound_height_m;  ///< to which a ball rises that leaves with vy at lift-off
+};
+
 struct Readout : Numbers {
   int shot_id = 0;
+  std::optional<Drop> drop;      ///< absent unless both velocities are within kDropSlope of the vertical
   std::optional<Launch> launch;  ///< only of a frame without a surface, which has no other numbers
   std::optional<Regime> regime;
   bool court_pace_conforming = false;

@@ -91,6 +91,8 @@ void add_to_sd(const Quantities& variance, Readout& readout) {
   }
 }
 
+void add_change(double change, DerivedNumber& number) { number.sd = std::hypot(number.sd, change); }
+
 /// Adds what the errors of the camera's map do to sd and covariance. They move all images together, which
 /// independent noise of the images would not show: the shot is fitted once more for each error, with the same
 /// measurements in use.
@@ -109,6 +111,12 @@ void add_map_errors(const ShotFit& fit, const PropagationOptions& options, const
       const auto q = static_cast<Quantity>(i);
       const double change = difference(other.value[q], readout.value[q]);
       variance[q] = variance[q].value_or(0.0) + change * change;
+    }
+    if (readout.drop && other.drop) {
+      add_change(other.drop->fall_height_m.value - readout.drop->fall_height_m.value,
+                 readout.drop->fall_height_m);
+      add_change(other.drop->rebound_height_m.value - readout.drop->rebound_height_m.value,
+                 readout.drop->rebound_height_m);
     }
     if (!readout.covariance) continue;
     const Primary now = primary(other, where);
@@ -269,6 +277,15 @@ std::optional<LikelyCause> cause_of(const Frame& frame, const ReduceOptions& opt
                                found));
 }
 
+/// Only a frame that states a law tells where it was measured.
+bool beyond_air_law(const Frame& frame, const Readout& readout) {
+  if (!frame.air_law || !(readout.flight_effects.drag || readout.flight_effects.magnus)) return false;
+  const auto outside = [&law = *frame.air_law](const std::optional<double>& speed_mps) {
+    return speed_mps && (*speed_mps < law.least_mps || *speed_mps > law.most_mps);
+  };
+  return outside(readout.value[Quantity::v_td_mps]) || outside(readout.value[Quantity::v_lo_mps]);
+}
+
 /// There is no surface to touch down on.
 void move_to_launch(const ReducedShot& shot, double first_image_s, Readout& readout) {
   if (readout.value == Quantities{}) return;
@@ -299,6 +316,7 @@ Result<ReducedShot> reduce_shot(const Frame& frame, Estimator estimator, const R
   const PropagationOptions propagation{temperature_c(frame), options.covariance, options.by_time};
   shot.readout = estimator == Estimator::two_point ? two_point_readout(frame, propagation, shot.fit)
                                                    : best_readout(frame, propagation, options, shot.fit);
+  if (beyond_air_law(frame, shot.readout)) shot.readout.flags.set(Flag::air_extrapolated);
   return shot;
 }
 

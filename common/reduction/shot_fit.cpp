@@ -195,7 +195,7 @@ AirError lift_error(const ShotFit& fit, std::size_t leg, double fastest_radps) {
   const double more = std::copysign(std::sqrt(spin->variance), spin->omega_radps);
   const double by_spin = lift(spin->omega_radps + more) - as_fitted;
   if (!fit.spins_open || spin->alternatives_radps.empty())
-    return {0.0, std::hypot(by_spin, flight::kLiftCoefficientShareSd * as_fitted), false};
+    return {0.0, std::hypot(by_spin, fit.air.law.lift_share_sd * as_fitted), false};
   RunningStatistics lifts;
   double largest = std::abs(as_fitted);
   lifts.add(as_fitted);
@@ -204,13 +204,13 @@ AirError lift_error(const ShotFit& fit, std::size_t leg, double fastest_radps) {
     largest = std::max(largest, std::abs(lift(omega)));
   }
   const double spread = lifts.population_sd();
-  return {lifts.mean() - as_fitted, std::hypot(spread, flight::kLiftCoefficientShareSd * largest), true};
+  return {lifts.mean() - as_fitted, std::hypot(spread, fit.air.law.lift_share_sd * largest), true};
 }
 
 AirErrors air_errors(const ShotFit& fit) {
   AirErrors errors;
   const double fastest_radps = fit.observations.fastest_spin_radps();
-  if (fit.effects.drag) errors[kDragError].sd = flight::kDragCoefficientSd / flight::kDragCoefficient;
+  if (fit.effects.drag) errors[kDragError].sd = fit.air.law.drag_share_sd();
   if (fit.effects.magnus) {
     for (std::size_t leg = 0; leg < 2; ++leg) errors[kLiftError[leg]] = lift_error(fit, leg, fastest_radps);
   }
@@ -333,7 +333,8 @@ std::vector<OtherSpin> faster_spins(const ShotFit& fit, std::size_t leg) {
 
 void refit(ShotFit& fit, flight::Effects effects) {
   fit.effects = effects;
-  fit.air = flight::aerodynamics(fit.observations.ball, fit.observations.air_density_kgpm3, effects);
+  fit.air = flight::aerodynamics(fit.observations.ball, fit.observations.air_density_kgpm3, effects,
+                                 fit.observations.air_law);
   fit_once(fit);
 }
 
@@ -345,8 +346,8 @@ ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags) 
   fit.spins_open = options.spins_open;
   if (options.effects.drag) {
     const double density = fit.observations.air_density_kgpm3 / flight::kAirDensity_kgpm3;
-    fit.spin_decay_per_m = flight::kSpinDecay_per_m * density;
-    fit.spin_decay_sd_per_m = flight::kSpinDecaySd_per_m * density;
+    fit.spin_decay_per_m = fit.observations.air_law.spin_decay_per_m * density;
+    fit.spin_decay_sd_per_m = fit.observations.air_law.spin_decay_sd_per_m * density;
   }
   refit(fit, options.effects);
   if (options.reject_outliers && leave_out_misfits(fit)) flags.set(Flag::outlier_image);

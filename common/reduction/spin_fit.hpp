@@ -46,7 +46,7 @@ struct SpinSearch {
   /// The ball is taken to spin no faster, unless its readings leave nothing else. Their own window is
   /// searched in any case.
   double fastest_radps = 0.0;
-  /// What friction of the air takes of the spin, domega/dt over -omega: flight::kSpinDecay_per_m times the
+  /// What friction of the air takes of the spin, domega/dt over -omega: AirLaw::spin_decay_per_m times the
   /// speed.
   double decay_per_s = 0.0;
   double decay_sd_per_s = 0.0;

@@ -8,7 +8,7 @@
 namespace strobe::reduction {
 namespace {
 
-/// Times flight::kSpinDecay_per_m: no ball's spin decays faster.
+/// Times AirLaw::spin_decay_per_m: no ball's spin decays faster.
 constexpr double kMaxDecayRatio = 3.0;
 /// Of a residual's variance, or of chi squared: too little to be looked at.
 constexpr double kNegligible = 1e-3;

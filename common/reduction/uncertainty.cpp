@@ -65,6 +65,11 @@ void drop_rounding(const Readout& readout, BudgetSource& source) {
   }
 }
 
+void add_covariance(const std::array<double, kQuantityCount>& by_one, Budget& budget) {
+  for (std::size_t i = 0; i < kQuantityCount; ++i)
+    for (std::size_t k = 0; k < kQuantityCount; ++k) budget.own_covariance[i][k] += by_one[i] * by_one[k];
+}
+
 bool has_effect(const BudgetSource& source) {
   return std::ranges::any_of(source.effect, [](double e) { return e != 0.0; });
 }
@@ -197,6 +202,7 @@ Result<Budget> uncertainty_budget(const Frame& frame, Estimator estimator, const
     BudgetSource& source = budget.sources[input.source];
     if (choice == SourceChoice::shared && !is_shared(source.source)) continue;
     const auto by_one = effects(inputs, input, propagation);
+    if (!is_shared(source.source)) add_covariance(by_one, budget);
     for (std::size_t i = 0; i < kQuantityCount; ++i)
       source.effect[i] = source.input_sd > 0.0 ? by_one[i] : std::hypot(source.effect[i], by_one[i]);
   }

@@ -80,6 +80,10 @@ struct BudgetSource {
 /// Source: JCGM 100:2008 (GUM), 5.1 and F.1.2; the differences: its 5.1.3, note 2.
 struct Budget {
   std::vector<BudgetSource> sources;  ///< in the order of Source; those without any effect are left out
+  /// Of the numbers, by all that this shot shares with no other; by SourceChoice::shared zero. Indices:
+  /// Quantity. The squares of those sources' effects sum up to its diagonal. Between plausible assignments of
+  /// flashes the numbers' covariance is not known, and left out.
+  std::array<std::array<double, kQuantityCount>, kQuantityCount> own_covariance{};
 };
 
 /// "centres", "map error 3", "ball diameter" ...

@@ -142,6 +142,7 @@ bool explains(Flag flag) {
     case Flag::residuals_exceed_noise:
     case Flag::scale_sd_unknown:
     case Flag::spin_limit_assumed:
+    case Flag::air_extrapolated:
       return true;
     case Flag::outlier_image:
     case Flag::outlier_surface_point:

@@ -75,13 +75,14 @@ BounceEstimate estimate_bounce(const LegCandidate& in, const LegCandidate& out, 
   const double x_out = std::hypot(p_out, t_out * off.velocity.x());
   r.sd = {v_in, v_in, v_out, v_out, std::hypot(t_in, t_out), std::hypot(x_in, x_out)};
   r.contact_model_sd_px = kContactModelSd_m * track.px_per_m;
+  r.dwell = track.dwell;
   return r;
 }
 
 double contact_penalty(const BounceEstimate& r) {
   const auto& [vx_td, vy_td, vx_lo, vy_lo, dwell, distance] = r.value;
   if (vy_td >= 0.0 || vy_lo <= 0.0) return std::numeric_limits<double>::infinity();
-  double penalty = squared(outside(dwell, kShortestDwell_s, kLongestDwell_s) / r.sd[4]);
+  double penalty = squared(outside(dwell, r.dwell.least_s, r.dwell.most_s) / r.sd[4]);
   const double restitution = -vy_lo / vy_td;
   const double restitution_sd = std::hypot(r.sd[3], restitution * r.sd[1]) / std::abs(vy_td);
   penalty += squared(outside(restitution, kMinRestitution, kMaxRestitution) / restitution_sd);

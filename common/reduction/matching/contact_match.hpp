@@ -8,10 +8,6 @@
 
 namespace strobe::matching {
 
-/// Shortest and longest contact of a ball with a surface; tennis balls take 3.8 to 6.3 ms.
-inline constexpr double kShortestDwell_s = 1.5e-3;
-inline constexpr double kLongestDwell_s = 9e-3;
-
 /// What two legs with velocities say of the bounce, and its standard deviations.
 struct BounceEstimate {
   /// v along and up at touchdown, at lift-off [px/s], dwell [s], distance [px].
@@ -19,6 +15,7 @@ struct BounceEstimate {
   std::array<double, 6> sd{};
   /// Of the distance: friction may drive the ball on beyond both velocities.
   double contact_model_sd_px = 0.0;
+  DwellLimits dwell{};
 };
 BounceEstimate estimate_bounce(const LegCandidate& in, const LegCandidate& out, const Track& track);
 

@@ -99,7 +99,7 @@ class Matcher {
         return !c.empty() && c.first() < first;
       });
       for (; out != outs.end(); ++out) {
-        if (!in.empty() && !out->empty() && out->first() > least + kMaxMissed) break;
+        if (!in.empty() && !out->empty() && out->first() > least + track_.most_missed) break;
         consider(in, *out);
       }
     }

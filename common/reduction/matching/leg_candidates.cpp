@@ -14,14 +14,15 @@ namespace {
 // period off its neighbours' mean would be nearer to another image.
 constexpr double kStepTolerance = 0.45;
 
-// Lift coefficient of a ball that does nothing but spin, see flight::lift_coefficient().
-constexpr double kGreatestLift = 0.5;
-
 /// Follows a leg from its first two flashes to the others, under known gravity. Allocates once.
 class SteadyFlight {
  public:
   SteadyFlight(std::span<const TrackPoint> images, std::span<const double> times_s, const Track& track)
-      : images_(images), times_s_(times_s), gravity_pxps2_(track.gravity_pxps2), fit_(gravity_pxps2_) {
+      : images_(images),
+        times_s_(times_s),
+        gravity_pxps2_(track.gravity_pxps2),
+        most_missed_(track.most_missed),
+        fit_(gravity_pxps2_) {
     flash_.reserve(images.size());
   }
 
@@ -37,7 +38,7 @@ class SteadyFlight {
       const auto flash = next();
       if (!flash) return false;
       add(*flash);
-      if (missed() > kMaxMissed) return false;
+      if (missed() > most_missed_) return false;
     }
     return true;
   }
@@ -56,7 +57,7 @@ class SteadyFlight {
     const flight::Parabola path = fit_.path();
     const auto at = [&](int flash) { return path.position_at(time_s(flash) - fit_.mean_time_s()); };
     const Eigen::Vector2d& centre = images_[flash_.size()].centre_px;
-    const int end = std::min(static_cast<int>(times_s_.size()), flash_.back() + 2 + kMaxMissed);
+    const int end = std::min(static_cast<int>(times_s_.size()), flash_.back() + 2 + most_missed_);
     std::optional<int> nearest;
     double least = std::numeric_limits<double>::infinity();
     for (int k = flash_.back() + 1; k < end; ++k) {
@@ -73,6 +74,7 @@ class SteadyFlight {
   std::span<const TrackPoint> images_;
   std::span<const double> times_s_;
   Eigen::Vector2d gravity_pxps2_;
+  int most_missed_;
   geometry::LegFit fit_;
   std::vector<int> flash_;
 };
@@ -91,9 +93,9 @@ Drift drift_of(const Track& track, const Eigen::Vector2d& velocity_pxps) {
   if (!(track.air.drag_per_m > 0.0) || !(speed_mps > 0.0)) return drift;
   const double drag = track.air.drag_mps2(speed_mps) * track.px_per_m;
   drift.acceleration_pxps2 -= drag * velocity_pxps.normalized();
-  drift.sd_pxps2 = {
-      flight::kDragCoefficientSd / flight::kDragCoefficient * drag,
-      kGreatestLift / std::numbers::sqrt3 * track.air.lift_per_m * speed_mps * speed_mps * track.px_per_m};
+  drift.sd_pxps2 = {track.air.law.drag_share_sd() * drag, track.air.law.greatest_lift() /
+                                                              std::numbers::sqrt3 * track.air.lift_per_m *
+                                                              speed_mps * speed_mps * track.px_per_m};
   return drift;
 }
 
@@ -170,7 +172,7 @@ std::vector<LegCandidate> leg_candidates(std::span<const TrackPoint> images, std
       candidates.push_back(candidate(images, times_s, track, {first}));
       continue;
     }
-    for (int second = first + 1; second <= first + 1 + kMaxMissed && second < count; ++second) {
+    for (int second = first + 1; second <= first + 1 + track.most_missed && second < count; ++second) {
       if (flight.follow(first, second))
         candidates.push_back(candidate(images, times_s, track, flight.flash()));
     }

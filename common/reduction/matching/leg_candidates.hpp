@@ -11,9 +11,6 @@
 
 namespace strobe::matching {
 
-/// Flashes between two images of a leg whose image was not found: two happen, three do not.
-inline constexpr int kMaxMissed = 2;
-
 struct LegCandidate {
   /// For each image of the leg the number of its flash among the seen ones, ascending.
   std::vector<int> flash;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "common/flight/parabola.hpp"
 #include "common/geometry/leg_classification.hpp"
@@ -62,6 +63,29 @@ std::optional<double> stated_sd_px(const Frame& frame) {
 }
 
 }  // namespace
+
+bool allow_for_drop(Track& track) {
+  // A leg gathers its images in a band of so many diameters; tilted by a tenth it leaves that within two of
+  // them.
+  constexpr double kWidthOfDiameter = 0.25;
+  constexpr double kShareHidden = 0.3;
+  constexpr int kMostHidden = 8;
+  double left = std::numeric_limits<double>::infinity(), right = -left;
+  double lowest[2] = {left, left}, highest[2] = {right, right};
+  for (const TrackPoint& image : track.images) {
+    if (image.leg == Leg::contact) continue;
+    const std::size_t leg = image.leg == Leg::rebound ? 1 : 0;
+    left = std::min(left, image.centre_px.x());
+    right = std::max(right, image.centre_px.x());
+    lowest[leg] = std::min(lowest[leg], image.centre_px.y());
+    highest[leg] = std::max(highest[leg], image.centre_px.y());
+  }
+  const double common = std::min(highest[0], highest[1]) - std::max(lowest[0], lowest[1]);
+  if (!(common > 0.0 && right - left <= kWidthOfDiameter * 2.0 * track.radius_px)) return false;
+  track.missed_share = std::max(track.missed_share, kShareHidden);
+  track.most_missed = kMostHidden;
+  return true;
+}
 
 std::optional<Track> image_track(const Frame& frame) {
   const auto line = surface_line(frame);

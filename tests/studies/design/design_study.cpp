@@ -96,9 +96,9 @@ Errors drawn_errors(const DrawnDesign& d, Random& random) {
   Errors e;
   e.scale = d.scale_sd * random.normal();
   e.ball_diameter_m = d.design.set_up.ball_diameter_sd_m * random.normal();
-  e.drag_coefficient = flight::kDragCoefficient + flight::kDragCoefficientSd * random.normal();
-  e.lift_factor = std::max(0.0, 1.0 + flight::kLiftCoefficientShareSd * random.normal());
-  e.spin_decay_per_m = std::max(0.0, flight::kSpinDecay_per_m + flight::kSpinDecaySd_per_m * random.normal());
+  e.drag_coefficient = flight::AirLaw{}.drag_coefficient + flight::AirLaw{}.drag_coefficient_sd * random.normal();
+  e.lift_factor = std::max(0.0, 1.0 + flight::AirLaw{}.lift_share_sd * random.normal());
+  e.spin_decay_per_m = std::max(0.0, flight::AirLaw{}.spin_decay_per_m + flight::AirLaw{}.spin_decay_sd_per_m * random.normal());
   return e;
 }
 

@@ -29,7 +29,7 @@ using reduction::Quantity;
 struct Errors {
   double scale = 0.0;            ///< of the calibration, relative
   double ball_diameter_m = 0.0;  ///< the true less the stated
-  double drag_coefficient = flight::kDragCoefficient, spin_decay_per_m = flight::kSpinDecay_per_m;
+  double drag_coefficient = flight::AirLaw{}.drag_coefficient, spin_decay_per_m = flight::AirLaw{}.spin_decay_per_m;
   bool calibrated = true;  ///< else the scale is the balls'
 };
 
@@ -40,8 +40,8 @@ Errors drawn(const SeriesPlan& plan, std::uint64_t pair) {
   Errors e;
   e.scale = plan.scale_sd * normal(random);
   e.ball_diameter_m = plan.ball_diameter_sd_m * normal(random);
-  e.drag_coefficient += flight::kDragCoefficientSd * normal(random);
-  e.spin_decay_per_m = std::max(0.0, e.spin_decay_per_m + flight::kSpinDecaySd_per_m * normal(random));
+  e.drag_coefficient += flight::AirLaw{}.drag_coefficient_sd * normal(random);
+  e.spin_decay_per_m = std::max(0.0, e.spin_decay_per_m + flight::AirLaw{}.spin_decay_sd_per_m * normal(random));
   e.calibrated = pair % 2 == 0;
   return e;
 }
