@@ -133,7 +133,11 @@ void read_plan(TomlTable& root, Rig& rig) {
   TomlTable table = root.table("plan");
   ShotPlan& plan = rig.plan;
   plan.train = table.choice_or("train", "free", {"free", "gated"}) == "gated" ? Train::gated : Train::free;
-  plan.period = rounded(table.number("period_us", {1, 1e7}), kNsPerUs);
+  // What the host makes of a drop is its own; here any period will do.
+  const bool dropped = table.number_or("drop_height_m", 0.0, {0, 20}) > 0.0;
+  plan.period =
+      rounded(dropped ? table.number_or("period_us", 10'000, {1, 1e7}) : table.number("period_us", {1, 1e7}),
+              kNsPerUs);
   plan.exposure = rounded(table.number("shutter_open_ms", {0.001, 60'000}), kNsPerMs);
   plan.gate_delay = rounded(table.number_or("gate_delay_ms", 0.0, {0, 60'000}), kNsPerMs);
   plan.flash_count = static_cast<std::int32_t>(table.integer_or("flash_count", 0, {0, kMaxFlashes}));

@@ -49,7 +49,8 @@ std::vector<UnmodelledTerm> unmodelled_terms(const Scene& scene) {
   const double radius = scene.ball.radius_m(), density = density_of(scene.air);
   const double q = density * std::numbers::pi * radius * radius / (2.0 * scene.ball.mass_kg);
   const double drag_mps2 = q * scene.air.drag_coefficient * x.speed_mps * x.speed_mps;
-  const double lift_mps2 = scene.air.lift ? 0.5 * scene.air.lift_factor * q * x.speed_mps * x.speed_mps : 0.0;
+  const double lift_mps2 =
+      scene.air.lift ? scene.air.lift_factor / scene.air.lift_slope * q * x.speed_mps * x.speed_mps : 0.0;
   const double displaced =
       density * 4.0 / 3.0 * std::numbers::pi * radius * radius * radius / scene.ball.mass_kg;
   const double flattened = x.vy_mps * x.dwell_s / (std::numbers::pi * radius);

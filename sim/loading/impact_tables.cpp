@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sim/loading/tables.hpp"
+#include "sim/motion/flight.hpp"
 #include "sim/scene/spring.hpp"
 
 namespace strobe::sim::tables {
@@ -84,14 +85,30 @@ void read_springs(TomlTable& ball, TomlTable& bounce, const Scene& scene, Bounce
   }
 }
 
+double e_of_height(TomlTable& bounce, const Scene& scene) {
+  if (bounce.has("e")) bounce.error_at("e", "excludes bounce.rebound_height_m");
+  const MachineSettings& m = scene.machine;
+  const VerticalFlight rise = rising(scene, bounce.number("rebound_height_m", {0.01, 20.0}));
+  const double e = rise.speed_mps / std::abs(m.speed_mps * std::sin(m.angle_rad));
+  if (!(e >= kRestitution.least && e <= kRestitution.most))
+    bounce.error_at("rebound_height_m", fmt::format("makes the restitution {:.3g}; must be {} to {}", e,
+                                                    kRestitution.least, kRestitution.most));
+  return e;
+}
+
 void read_rebound(TomlTable& root, const Scene& scene, BounceSettings& b) {
   TomlTable ball = root.table("ball");
   TomlTable bounce = root.table("bounce");
   if (ball.has("stiffness_npm") || ball.has("damping_nspm")) {
     read_springs(ball, bounce, scene, b);
   } else {
-    b.e = bounce.number("e", kRestitution);
-    b.dwell_s = bounce.number("dwell_ms", kDwell_ms) * kMilli;
+    const auto usual = [&](const char* key, double of_kind, Range range) {
+      return scene.kind ? bounce.number_or(key, of_kind, range) : bounce.number(key, range);
+    };
+    const double usual_e = scene.kind ? scene.kind->contact.e : 0.0;
+    const double usual_dwell_ms = scene.kind ? scene.kind->contact.dwell_s / kMilli : 0.0;
+    b.e = bounce.has("rebound_height_m") ? e_of_height(bounce, scene) : usual("e", usual_e, kRestitution);
+    b.dwell_s = usual("dwell_ms", usual_dwell_ms, kDwell_ms) * kMilli;
   }
   const MachineSettings& m = scene.machine;
   b.e_speed_mps = bounce.number_or("e_speed_mps", m.speed_mps * std::abs(std::sin(m.angle_rad)), {0.0, 60.0});
@@ -146,7 +163,8 @@ double read_friction(TomlTable& root, const Scene& scene, const BounceSettings& 
         surface.choice_or("pace_grade", "medium", {"slow", "medium_slow", "medium", "medium_fast", "fast"});
     return read_pace(surface, "pace_grade", court_pace_of(grade), scene, b);
   }
-  return bounce.number("mu", kFriction);
+  return scene.kind ? bounce.number_or("mu", scene.kind->contact.mu, kFriction)
+                    : bounce.number("mu", kFriction);
 }
 
 }  // namespace
@@ -158,9 +176,22 @@ std::span<const std::string_view> keys_of(ContactLaw law) {
   return law == ContactLaw::ode ? std::span<const std::string_view>(ode) : grip;
 }
 
-void read_ball(TomlTable& root, Scene& scene) {
+void read_ball(TomlTable& root, const std::filesystem::path& folder, Scene& scene) {
   TomlTable table = root.table("ball");
   ball::Ball& ball = scene.ball;
+  if (table.has("kind")) {
+    const std::string kind = table.string("kind");
+    auto read = balls::load_ball_kind(kind.ends_with(".toml") ? (folder / kind).string() : kind);
+    if (read) {
+      ball = read->ball();
+      scene.kind = *std::move(read);
+      scene.kind_name = kind.ends_with(".toml")
+                            ? std::filesystem::absolute(folder / kind).lexically_normal().string()
+                            : kind;
+    } else {
+      table.error_at("kind", read.error().message);
+    }
+  }
   ball.diameter_m = table.number_or("diameter_m", ball.diameter_m, {0.01, 1.0});
   ball.mass_kg = table.number_or("mass_kg", ball.mass_kg, {0.001, 10.0});
   const Range alphas{0.01, ball::kThinShellAlpha};
@@ -180,14 +211,34 @@ void read_ball(TomlTable& root, Scene& scene) {
   ball.alpha = alpha;
 }
 
+namespace {
+
+void read_drop(TomlTable& table, Scene& scene) {
+  MachineSettings& m = scene.machine;
+  for (const std::string_view key : {"speed_mps", "angle_deg"})
+    if (table.has(key)) table.error_at(key, "excludes machine.drop_height_m");
+  m.drop_height_m = table.number("drop_height_m", {0.06, 20.0});
+  const VerticalFlight fall = falling(scene, m.drop_height_m);
+  m.speed_mps = fall.speed_mps;
+  m.lag_s = fall.time_s;
+  m.angle_rad = -90.0 * kDegree;
+  m.spin_radps = table.number_or("spin_radps", 0.0, {-1000.0, 1000.0});
+}
+
+}  // namespace
+
 void read_machine(TomlTable& root, Scene& scene) {
   TomlTable table = root.table("machine");
   MachineSettings& m = scene.machine;
-  m.speed_mps = table.number("speed_mps", {1.0, 60.0});
+  if (table.has("drop_height_m")) {
+    read_drop(table, scene);
+  } else {
+    m.speed_mps = table.number("speed_mps", {1.0, 60.0});
+    m.angle_rad = table.number("angle_deg", {-90.0, -5.0}) * kDegree;
+    m.spin_radps = table.number("spin_radps", {-1000.0, 1000.0});
+  }
   m.speed_sd_mps = table.number_or("speed_sd_mps", 0.0, {0.0, 5.0});
-  m.angle_rad = table.number("angle_deg", {-90.0, -5.0}) * kDegree;
   m.angle_sd_rad = table.number_or("angle_sd_deg", 0.0, {0.0, 10.0}) * kDegree;
-  m.spin_radps = table.number("spin_radps", {-1000.0, 1000.0});
   m.spin_sd_radps = table.number_or("spin_sd_radps", 0.0, {0.0, 200.0});
   m.lag_s = table.number_or("lag_ms", m.lag_s / kMilli, {1.0, 10000.0}) * kMilli;
   m.lag_sd_s = table.number_or("lag_sd_ms", m.lag_sd_s / kMilli, {0.0, 1000.0}) * kMilli;

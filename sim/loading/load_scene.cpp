@@ -37,7 +37,12 @@ struct Way {
 
 const std::vector<std::vector<Way>>& alternatives() {
   static const std::vector<std::vector<Way>> all{
-      {{{{"bounce", "e"}, {"bounce", "dwell_ms"}}, {{"bounce", "e_slope_s_per_m"}}},
+      {{{{"machine", "speed_mps"}, {"machine", "angle_deg"}},
+        {{"machine", "spin_radps"}, {"machine", "lag_ms"}}},
+       {{{"machine", "drop_height_m"}}}},
+      {{{{"bounce", "e"}}}, {{{"bounce", "rebound_height_m"}}}},
+      {{{{"bounce", "e"}, {"bounce", "rebound_height_m"}, {"bounce", "dwell_ms"}},
+        {{"bounce", "e_slope_s_per_m"}}},
        {{{"ball", "stiffness_npm"}, {"ball", "damping_nspm"}}}},
       {{{{"bounce", "mu"}}},
        {{{"surface", "friction"}}},
@@ -76,8 +81,21 @@ std::string law_of(TomlReader& document) {
   return root.table("bounce").string("contact");
 }
 
-/// Removes from the parent the alternatives that the child replaces.
+/// Removes from the parent the alternatives that the child replaces, and all that another kind of ball
+/// brings.
 void drop_overridden(TomlReader& child, TomlReader& parent) {
+  if (has(child, {"ball", "kind"})) {
+    for (const std::string_view key :
+         {"diameter_m", "mass_kg", "alpha", "inertia", "stiffness_npm", "damping_nspm"})
+      parent.remove("ball", key);
+    for (const std::string_view key : {"drag_coefficient", "lift_law", "lift_factor", "spin_decay_per_m"})
+      parent.remove("air", key);
+    for (const std::string_view key : {"e", "rebound_height_m", "dwell_ms", "mu"})
+      parent.remove("bounce", key);
+    for (const std::string_view key :
+         {"surface", "line", "albedo", "shine", "seam_contrast", "logo_contrast"})
+      parent.remove("ball_appearance", key);
+  }
   for (const std::vector<Way>& ways : alternatives()) {
     for (const Way& chosen : ways) {
       if (!has_any(child, chosen.choosing)) continue;
@@ -175,9 +193,9 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file_name, c
   scene.parent = root.string_or("inherits", "");
   scene.title = root.string_or("title", scene.name);
   tables::read_tilt(root, scene);
-  tables::read_ball(root, scene);
+  tables::read_ball(root, fs::path(file_name).parent_path(), scene);
+  scene.air = tables::read_air(root.table("air"), scene.kind);
   tables::read_machine(root, scene);
-  scene.air = tables::read_air(root.table("air"));
   tables::read_impact(root, scene);
   scene.lamps = tables::read_lamps(root.table("lamps"));
   scene.sensors = tables::read_sensors(root.table("sensors"));
@@ -188,7 +206,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file_name, c
   scene.camera_link = tables::read_camera_link(root.table("camera_link"));
   scene.tablet = tables::read_tablet(root.table("tablet"));
   scene.photograph = tables::read_photograph(root.table("photograph"));
-  scene.ball_appearance = tables::read_ball_appearance(root.table("ball_appearance"));
+  scene.ball_appearance = tables::read_ball_appearance(root.table("ball_appearance"), scene.kind);
   scene.background = tables::read_background(root.table("background"));
   scene.readout = tables::read_readout(root.table("readout"));
   scene.chip = tables::read_chip(root.table("chip"));

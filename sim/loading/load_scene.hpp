@@ -29,8 +29,10 @@ inline constexpr std::size_t kMaxAncestors = 16;
 /// A scene from its text. With `inherits = "NAME"` it has all that the scene of that name has, except for
 /// what its own text says: tables are merged key by key, arrays of tables ([[fault]], [[operator]]) replaced,
 /// and of alternatives (the contact's law, e and dwell_ms or springs, the friction's source, alpha or
-/// inertia, the tilt) the parent's are dropped where the child has its own. No I/O but what `resolve` does.
-/// The error reads "FILE:LINE: table.key: what is wrong", FILE being that in which the key stands.
+/// inertia, the tilt) the parent's are dropped where the child has its own, and with ball.kind what the
+/// parent says of its ball and its look, its drag and lift, e, dwell_ms and mu. No I/O but what `resolve`
+/// does, and ball.kind's file, whose path begins at this scene's folder. The error reads "FILE:LINE:
+/// table.key: what is wrong", FILE being that in which the key stands.
 Result<Scene> parse_scene(std::string_view text, const std::string& file_name,
                           const SceneResolver& resolve = {});
 

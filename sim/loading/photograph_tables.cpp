@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "sim/loading/tables.hpp"
 
@@ -34,6 +37,35 @@ PhotographFormat format(TomlTable& table) {
                             : PhotographFormat::tiff;
 }
 
+BallSurface surface_of(balls::Marking marking) {
+  switch (marking) {
+    case balls::Marking::line:
+    case balls::Marking::seam:
+      break;
+    case balls::Marking::dimples:
+      return BallSurface::dimples;
+    case balls::Marking::stitches:
+      return BallSurface::stitches;
+    case balls::Marking::dots:
+      return BallSurface::dots;
+    case balls::Marking::panels:
+      return BallSurface::panels;
+    case balls::Marking::holes:
+      return BallSurface::holes;
+    case balls::Marking::plain:
+      return BallSurface::plain;
+  }
+  return BallSurface::felt;
+}
+
+BallSurface surface(TomlTable& table, BallSurface fallback) {
+  // In the order of BallSurface.
+  static const std::vector<std::string_view> names{"felt",   "plain",    "dimples", "stitches", "band",
+                                                   "panels", "channels", "holes",   "dots"};
+  const auto name = table.choice_or("surface", names[static_cast<std::size_t>(fallback)], names);
+  return static_cast<BallSurface>(std::ranges::find(names, name) - names.begin());
+}
+
 }  // namespace
 
 PhotographSettings read_photograph(TomlTable table) {
@@ -61,18 +93,19 @@ PhotographSettings read_photograph(TomlTable table) {
   return p;
 }
 
-BallAppearanceSettings read_ball_appearance(TomlTable table) {
+BallAppearanceSettings read_ball_appearance(TomlTable table, const std::optional<balls::Kind>& kind) {
   BallAppearanceSettings b;
-  const std::string surface = table.choice_or("surface", "felt", {"felt", "plain", "dimples"});
-  if (surface == "plain") b.surface = BallSurface::plain;
-  if (surface == "dimples") b.surface = BallSurface::dimples;
-  b.line = table.boolean_or("line", b.line);
+  const balls::Marking marking = kind ? kind->marking : balls::Marking::line;
+  b.surface = surface(table, surface_of(marking));
+  b.line = table.boolean_or("line", marking == balls::Marking::line);
   b.line_width_m = scaled(table, "line_width_mm", {0.3, 15.0}, kMilli);
   b.line_contrast = table.optional_number("line_contrast", {0.0, 1.0});
   b.line_tilt_rad = scaled(table, "line_tilt_deg", {-30.0, 30.0}, kDegree);
   b.grain = table.optional_number("grain", {0.0, 0.5});
-  b.seam_contrast = table.optional_number("seam_contrast", {-1.0, 1.0});
-  b.logo_contrast = table.optional_number("logo_contrast", {0.0, 1.0});
+  b.albedo = table.optional_number("albedo", {0.02, 2.0});
+  b.shine = table.optional_number("shine", {0.0, 2.0});
+  b.seam_contrast = table.optional_number("seam_contrast", {-10.0, 1.0});
+  b.logo_contrast = table.optional_number("logo_contrast", {-10.0, 1.0});
   b.fuzz_px = table.optional_number("fuzz_px", {0.0, 5.0});
   b.lamp_height_m = table.optional_number("lamp_height_m", {-5.0, 5.0});
   b.lamp_aside_m = table.optional_number("lamp_aside_m", {0.05, 10.0});

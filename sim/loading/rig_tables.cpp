@@ -42,12 +42,20 @@ constexpr double kUsualDensity_kgpm3 = 1.204;
 
 }  // namespace
 
-AirSettings read_air(TomlTable table) {
+AirSettings read_air(TomlTable table, const std::optional<balls::Kind>& kind) {
   AirSettings a;
+  if (kind) {
+    a.drag_coefficient = kind->air.drag_coefficient;
+    a.lift = kind->air.lift_offset > 0.0;
+    a.lift_offset = kind->air.lift_offset;
+    a.lift_slope = kind->air.lift_slope;
+    a.spin_decay_per_m = kind->air.spin_decay_per_m;
+  }
   a.temperature_c = table.number_or("temperature_c", a.temperature_c, {-50.0, 80.0});
   a.density_kgpm3 = table.optional_number("density_kgpm3", Range{0.0, 10.0}).value_or(-1.0);
   a.drag_coefficient = table.number_or("drag_coefficient", a.drag_coefficient, {0.0, 2.0});
-  a.lift = table.choice_or("lift_law", "spin_ratio", {"spin_ratio", "none"}) == "spin_ratio";
+  a.lift =
+      table.choice_or("lift_law", a.lift ? "spin_ratio" : "none", {"spin_ratio", "none"}) == "spin_ratio";
   a.lift_factor = table.number_or("lift_factor", a.lift_factor, {0.0, 3.0});
   const double thinner = a.density_kgpm3 < 0.0 ? 1.0 : a.density_kgpm3 / kUsualDensity_kgpm3;
   a.spin_decay_per_m = table.number_or("spin_decay_per_m", a.spin_decay_per_m * thinner, {0.0, 1.0});

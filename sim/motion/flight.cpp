@@ -48,7 +48,7 @@ template <typename Real, typename Law>
   const Real v = sqrt(s.vx * s.vx + s.vy * s.vy);
   const Real drag = law.drag_pm * v;
   const Real rim = law.radius_m * s.omega;
-  const Real together = 2.0 * abs(rim) + v;
+  const Real together = law.lift_slope * abs(rim) + law.lift_offset * v;
   const Real lift = law.lift_pm * v * rim / at_least_min(together);
   return {law.gravity_x_mps2 - drag * s.vx - lift * s.vy, law.gravity_y_mps2 - drag * s.vy + lift * s.vx,
           -law.decay_pm * v * s.omega};
@@ -104,6 +104,8 @@ Flight::Flight(const Scene& scene, const FlightState& start, double omega_radps,
   const double area = std::numbers::pi * law_.radius_m * law_.radius_m;
   const double q = density_kgpm3(scene.air) * area / (2.0 * scene.ball.mass_kg);
   law_.drag_pm = model.has(Effect::drag) ? q * scene.air.drag_coefficient : 0.0;
+  law_.lift_offset = scene.air.lift_offset;
+  law_.lift_slope = scene.air.lift_slope;
   law_.lift_pm = model.has(Effect::magnus) && scene.air.lift ? scene.air.lift_factor * q : 0.0;
   parabola_ = law_.drag_pm == 0.0 && law_.lift_pm == 0.0 && law_.decay_pm == 0.0;
   if (!model.has(Effect::gravity)) return;
@@ -198,5 +200,28 @@ std::optional<double> Flight::time_back_at_x_s(double x_m) const {
   }
   return 0.0;
 }
+
+namespace {
+
+/// From rest at the upper end, forward in time or backward.
+VerticalFlight through(const Scene& scene, double height_m, double forward) {
+  Scene level = scene;
+  level.surface_angle_rad = 0.0;
+  const Flight flight(level, {.y_m = height_m}, 0.0);
+  const auto above = [&](double time_s) { return flight.at(forward * time_s).y_m > 0.0; };
+  double early_s = 0.0, late_s = std::sqrt(2.0 * height_m / 9.8);
+  while (above(late_s) && late_s < 60.0) late_s *= 1.5;
+  for (int round = 0; round < 60; ++round) {
+    const double middle_s = 0.5 * (early_s + late_s);
+    (above(middle_s) ? early_s : late_s) = middle_s;
+  }
+  return {std::abs(flight.at(forward * late_s).vy_mps), late_s};
+}
+
+}  // namespace
+
+VerticalFlight falling(const Scene& scene, double height_m) { return through(scene, height_m, 1.0); }
+
+VerticalFlight rising(const Scene& scene, double height_m) { return through(scene, height_m, -1.0); }
 
 }  // namespace strobe::sim

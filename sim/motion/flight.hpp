@@ -5,7 +5,7 @@
 // allocation.
 //
 //   dv/dt = g - q·C_D·|v|·v + q·C_L·|v|·(z × v),   q = density·pi·R²/(2·mass)
-//   C_L = R·omega/(2·R·|omega| + |v|):  1/(2 + |v|/(R·|omega|)) with the spin's sign, backspin lifts
+//   C_L = R·omega/(b·R·|omega| + a·|v|) with the spin's sign, backspin lifts; a = 1, b = 2: tennis balls
 //   domega/dt = -c·|v|·omega,   c = spin_decay_per_m
 //
 // C_D .51 to .65 and this C_L: measured on tennis balls by Stepanek (1988) and others. Each effect that the
@@ -63,6 +63,7 @@ class Flight {
     double drag_pm = 0.0;   ///< q·C_D, per metre
     double lift_pm = 0.0;   ///< q, or 0 without lift
     double decay_pm = 0.0;  ///< of the spin
+    double lift_offset = 1.0, lift_slope = 2.0;
     double gravity_x_mps2 = 0.0;
     double gravity_y_mps2 = 0.0;
   };
@@ -75,5 +76,14 @@ class Flight {
   Law law_;
   bool parabola_;
 };
+
+/// A ball that falls from rest through height_m > 0 in the scene's air, or rises through it to rest: its
+/// speed at the lower end, and how long it takes. Without spin; the plate's inclination is left out.
+struct VerticalFlight {
+  double speed_mps = 0.0;
+  double time_s = 0.0;
+};
+VerticalFlight falling(const Scene& scene, double height_m);
+VerticalFlight rising(const Scene& scene, double height_m);
 
 }  // namespace strobe::sim

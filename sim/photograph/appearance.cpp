@@ -36,6 +36,34 @@ class Artist {
   Draws draws_;
 };
 
+/// Of a surface without felt: albedo, share of the drawn gloss, and the range of its markings' contrast.
+struct Finish {
+  double albedo = 1.0, gloss = 0.0, least_contrast = 0.0, most_contrast = 0.0;
+};
+
+Finish finish_of(BallSurface surface) {
+  switch (surface) {
+    case BallSurface::felt:
+    case BallSurface::plain:
+      break;
+    case BallSurface::dimples:
+      return {1.0, 1.0, 0.0, 0.0};
+    case BallSurface::stitches:
+      return {1.0, 0.3, 0.3, 0.8};
+    case BallSurface::band:
+      return {0.35, 1.0, -1.5, -0.6};
+    case BallSurface::panels:
+      return {1.0, 0.8, 0.3, 0.9};
+    case BallSurface::channels:
+      return {0.55, 0.2, 0.5, 0.9};
+    case BallSurface::holes:
+      return {1.0, 0.4, 0.5, 0.9};
+    case BallSurface::dots:
+      return {1.0, 0.3, 0.6, 0.95};
+  }
+  return {};
+}
+
 BallAppearance draw_ball(Artist& artist, const BallAppearanceSettings& s) {
   BallAppearance b;
   b.surface = s.surface;
@@ -45,7 +73,8 @@ BallAppearance draw_ball(Artist& artist, const BallAppearanceSettings& s) {
   b.line_steepness = artist.scaled(2.0, 10.0);
   b.line_tilt_rad = artist.normal(kTiltSd_rad, kMaxTilt_rad, s.line_tilt_rad);
   b.grain = artist.between(0.02, 0.1, s.grain);
-  b.seam_contrast = artist.between(-0.3, 0.4, s.seam_contrast);
+  const double seam = artist.between(-0.3, 0.4);
+  b.seam_contrast = s.seam_contrast.value_or(seam);
   b.logo_contrast = artist.between(0.0, 0.8, s.logo_contrast);
   b.fuzz_px = artist.between(0.0, 0.5, s.fuzz_px);
   b.hair_px = artist.between(0.0, 0.2);
@@ -53,15 +82,19 @@ BallAppearance draw_ball(Artist& artist, const BallAppearanceSettings& s) {
   b.sheen = artist.between(0.0, 0.35);
   b.shine = artist.between(0.1, 0.6);
   b.texture = artist.seed();
-  if (b.surface != BallSurface::felt) {
-    b.fuzz_px = s.fuzz_px.value_or(0.0);
-    b.hair_px = 0.0;
-    b.sheen = 0.0;
-    b.grain = s.grain.value_or(0.0);
-    b.seam_contrast = 0.0;
-  }
+  const Finish finish = finish_of(b.surface);
+  b.albedo = s.albedo.value_or(finish.albedo);
+  b.shine = s.shine.value_or(finish.gloss * b.shine) / b.albedo;
+  if (b.surface == BallSurface::felt) return b;
+  b.fuzz_px = s.fuzz_px.value_or(0.0);
+  b.hair_px = 0.0;
+  b.sheen = 0.0;
+  b.grain = s.grain.value_or(0.0);
+  // The felt's draw, in this surface's range.
+  const double contrast =
+      finish.least_contrast + (finish.most_contrast - finish.least_contrast) * (seam + 0.3) / 0.7;
+  b.seam_contrast = s.seam_contrast.value_or(contrast);
   if (b.surface == BallSurface::plain) b.logo_contrast = s.logo_contrast.value_or(0.0);
-  if (b.surface != BallSurface::dimples) b.shine = 0.0;
   return b;
 }
 

@@ -88,7 +88,8 @@ struct BallAppearance {
   double hair_px = 0.1;       ///< sd of the outline's irregularity
   double falloff = 0.9;       ///< exponent of the cosine of incidence: 1 is Lambert's
   double sheen = 0.15;        ///< share of light that the felt's hair adds towards the limb
-  double shine = 0.0;         ///< height of the reflected lamp
+  double albedo = 1.0;        ///< over the lightest felt's
+  double shine = 0.0;         ///< height of the reflected lamp, over the albedo
   std::uint64_t texture = 1;  ///< seed of grain, seams, logo and hair
 };
 

@@ -52,7 +52,8 @@ class Hand {
     image.centre_px = point(seen.centre_px);
     image.diameter_px = seen.diameter_px + error(kDiameterNoiseRatio * centre_sd_px_);
     const double equator_error = error(scene_.tablet.equator_sd_rad);
-    if (seen.equator_rad) image.equator_rad = modulo_pi(*seen.equator_rad + equator_error);
+    if (seen.equator_rad && scene_.ball_appearance.line)
+      image.equator_rad = modulo_pi(*seen.equator_rad + equator_error);
     const PointPx top =
         point(camera_.project(x_m, scene_.ball.diameter_m - s.top_drop_m, path.off_plane_m()));
     if (image.leg == Leg::contact) image.top_px = top;
@@ -110,6 +111,7 @@ Digitized digitize_by(Hand&& hand, const Scene& scene, const Exposure& exposure)
   frame.temperature_c = scene.air.temperature_c;
   frame.ball_mass_kg = scene.ball.mass_kg;
   frame.ball_alpha = scene.ball.alpha;
+  if (scene.kind) frame.air_law = scene.kind->air;
   frame.fastest_spin_radps = known_fastest_spin_radps(scene);
   if (scene.air.density_kgpm3 >= 0.0) frame.air_density_kgpm3 = scene.air.density_kgpm3;  // by a barometer
   hand.state_noise(frame);

@@ -58,7 +58,8 @@ Timing timing_of(const Scene& scene) {
   if (speed_mps < kUsualSlowest_mps || speed_mps > kUsualFastest_mps)
     timing.period_us = std::min(10'000.0, kHundred_us * std::round(1e6 * kStep_m / speed_mps / kHundred_us));
   timing.period_us = std::max(timing.period_us, timing.min_period_us);
-  const double crossing_ms = 2e3 * scene.camera.half_width_m / speed_mps;
+  const double way_m = scene.machine.drop_height_m > 0.0 ? scene.camera.height_m : scene.camera.half_width_m;
+  const double crossing_ms = 2e3 * way_m / speed_mps;
   timing.open_ms = std::clamp(kHundred_us * std::ceil(2.0 * crossing_ms / kHundred_us), 500.0, 1500.0);
   return timing;
 }
@@ -90,8 +91,12 @@ std::string hardware_tables(const Scene& scene, const Timing& timing) {
          "pulse_ms = 20\nmax_on_ms = 100\n\n";
 }
 
-std::string plan_table(const Timing& timing) {
-  return "[plan]\ntrain = \"free\"\n" + line("period_us = " + number(timing.period_us), "between flashes") +
+std::string plan_table(const Scene& scene, const Timing& timing) {
+  const double drop_height_m = scene.machine.drop_height_m;
+  return "[plan]\ntrain = \"free\"\n" +
+         (drop_height_m > 0.0
+              ? line("drop_height_m = " + number(drop_height_m), "which decides the time between flashes")
+              : line("period_us = " + number(timing.period_us), "between flashes")) +
          "spacing = \"coded\"\nshutter_open_ms = " + number(timing.open_ms) + "\n" +
          line("impact_at_ms = " + number(0.5 * timing.open_ms), "after the shutter has opened") +
          "\n[tolerance]\nlate_us = 100\n" +
@@ -103,7 +108,10 @@ std::string plan_table(const Timing& timing) {
 std::string ball_table(const Scene& scene) {
   const ball::Ball& ball = scene.ball;
   const auto fastest = known_fastest_spin_radps(scene);
-  return "[ball]\ndiameter_m = " + number(ball.diameter_m) + "\n" +
+  std::string kind = scene.kind ? "kind = " + quoted(scene.kind_name) + "\n" : "";
+  const bool usual = !scene.kind || scene.kind->marking == balls::Marking::line;
+  if (scene.ball_appearance.line != usual) kind += fmt::format("line = {}\n", scene.ball_appearance.line);
+  return "[ball]\n" + kind + "diameter_m = " + number(ball.diameter_m) + "\n" +
          line("diameter_sd_m = 0.0002", "as callipers would leave it") + "mass_kg = " + number(ball.mass_kg) +
          "\n" + line(fmt::format("alpha = {}", ball.alpha), "moment of inertia over m R^2") +
          (fastest
@@ -217,7 +225,7 @@ std::string rig_file_text(const Scene& scene, const RigFileSettings& settings) {
   text += line("rig = " + quoted(settings.rig_name), "name in the LCM channels");
   if (!settings.lcm_url.empty()) text += "lcm_url = " + quoted(settings.lcm_url) + "\n";
   text += "\n[chip]\nname = " + quoted(scene.chip.name) + "\n\n" + lines_table() +
-          hardware_tables(scene, timing) + plan_table(timing);
+          hardware_tables(scene, timing) + plan_table(scene, timing);
   if (!settings.key_file.empty())
     text += "[commands]\n" + line("key_file = " + quoted(settings.key_file.string()), "the lab's key") + "\n";
   return text + ball_table(scene) + analysis_table(scene, settings.camera_kind == "genicam") +

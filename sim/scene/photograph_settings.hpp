@@ -22,9 +22,15 @@ inline constexpr int kMosaicBits = 14;
 
 /// How a ball's surface looks apart from its line.
 enum class BallSurface {
-  felt,     ///< grain, seams, a logo, a little fuzz at the limb
-  plain,    ///< uniform and matt
-  dimples,  ///< shiny, with rows of dimples and print
+  felt,      ///< grain, seams, a logo, a little fuzz at the limb
+  plain,     ///< uniform and matt
+  dimples,   ///< shiny, with rows of dimples and print: a golf ball
+  stitches,  ///< leather with a seam of two rows: a baseball
+  band,      ///< dark glossy leather with six light rows around it: a cricket ball
+  panels,    ///< twelve dark pentagons among hexagons: a football
+  channels,  ///< dark channels between eight panels: a basketball
+  holes,     ///< forty of them, which also notch the outline: a pickleball
+  dots,      ///< two dozen dark ones, evenly spread
 };
 
 /// [photograph] The sensor behind the lens, the file, and how much light there is. "Light" below: 1 is what
@@ -56,16 +62,20 @@ struct PhotographSettings {
 
 /// [ball_appearance] The ball on the photograph.
 struct BallAppearanceSettings {
-  BallSurface surface = BallSurface::felt;  ///< key surface = "felt" | "plain" | "dimples"
-  bool line = true;                         ///< whether the equator line is drawn on it
-  std::optional<double> line_width_m;       ///< key line_width_mm 0.3…15; drawn: 1.5…4 mm
-  std::optional<double> line_contrast;      ///< 0…1, darkness over the felt's; drawn: .5….95
-  std::optional<double> line_tilt_rad;      ///< key line_tilt_deg -30…30; drawn: sd 1.5, at most 5
-  std::optional<double> grain;              ///< 0…0.5, relative sd of the felt's albedo; drawn: .02….1
-  std::optional<double> seam_contrast;      ///< 0…1, darker than the felt; drawn: -.3 (lighter)….4
-  std::optional<double> logo_contrast;      ///< 0…1; drawn: 0….8
-  std::optional<double> fuzz_px;            ///< 0…5, half width of the limb's fade; drawn: 0….5
-  std::optional<double> lamp_height_m;      ///< -5…5, over the view's middle; drawn: -.2….8
+  BallSurface surface =
+      BallSurface::felt;                ///< key surface = "felt" | "plain" and so on; absent: of [ball] kind
+  bool line = true;                     ///< whether the equator line is drawn on it; absent: likewise
+  std::optional<double> albedo;         ///< 0.02…2, over the lightest felt's; 1, of band and channels less
+  std::optional<double> shine;          ///< 0…2, height of a reflected lamp; drawn by the surface
+  std::optional<double> line_width_m;   ///< key line_width_mm 0.3…15; drawn: 1.5…4 mm
+  std::optional<double> line_contrast;  ///< 0…1, darkness over the felt's; drawn: .5….95
+  std::optional<double> line_tilt_rad;  ///< key line_tilt_deg -30…30; drawn: sd 1.5, at most 5
+  std::optional<double> grain;          ///< 0…0.5, relative sd of the felt's albedo; drawn: .02….1
+  /// -10…1, of seams, stitches, panels, holes or dots: darker than the rest; drawn: of felt -.3 (lighter)….4
+  std::optional<double> seam_contrast;
+  std::optional<double> logo_contrast;   ///< -10…1; drawn: 0….8
+  std::optional<double> fuzz_px;         ///< 0…5, half width of the limb's fade; drawn: 0….5
+  std::optional<double> lamp_height_m;   ///< -5…5, over the view's middle; drawn: -.2….8
   std::optional<double> lamp_aside_m;    ///< 0.05…10, of each lamp from the view's middle; drawn: .5…1.6
   std::optional<double> lamp_forward_m;  ///< 0.1…20, from the balls' plane; drawn: .5…2
 };

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/ball/ball.hpp"
+#include "common/data/ball_kind.hpp"
 #include "common/impact/ode/contact_ode.hpp"
 #include "common/reduction/readout.hpp"
 #include "common/units/time.hpp"
@@ -59,6 +60,10 @@ constexpr std::optional<RigLine> rig_line(std::string_view line_name) {
 
 /// [machine] The pitching machine. What the ball does is what it does at touchdown.
 struct MachineSettings {
+  /// Instead of speed_mps, angle_deg and spin_radps: dropped from there, of its lowest point over the
+  /// surface, 0.05…20. The machine then lets it go, and lag_ms is as long as the fall unless it is said. 0
+  /// (key absent): thrown.
+  double drop_height_m = 0.0;
   double speed_mps = 17.0;  ///< required; 1…60
   double speed_sd_mps = 0.0;
   double angle_rad = -0.4;  ///< required; angle_deg -90…-5, against the surface
@@ -79,6 +84,8 @@ enum class ContactLaw {
 /// [bounce] Restitution and friction, with their spread from shot to shot. One draw moves mu and what goes
 /// with it (ode: stiffness_ratio, grip: e_x) together: a shot with more grip. A key of the other law is an
 /// error. Alternative keys, one at a time:
+///  - for e: rebound_height_m, to which the ball rises in the scene's air, of its lowest point over a level
+///  surface;
 ///  - for e and dwell_ms: [ball] stiffness_npm and damping_nspm (common/impact/ode/normal_spring.hpp); a
 ///    spring's e does not change with the speed, so that e_slope_s_per_m then defaults to 0;
 ///  - for mu: [surface] friction, court_pace (the ITF's rating: mu from it and e at 30 m/s, 16 degrees), or
@@ -118,6 +125,8 @@ struct AirSettings {
   double drag_coefficient = 0.55;  ///< of the area pi·R²; 0: no drag
   bool lift = true;                ///< key lift_law = "spin_ratio" (sim/motion/flight.hpp) | "none"
   double lift_factor = 1.0;        ///< 0…3, of the lift over that law's: balls differ
+  /// Of that law; a tennis ball's, or those of [ball] kind.
+  double lift_offset = 1.0, lift_slope = 2.0;
   /// domega/dt = -spin_decay_per_m·|v|·omega; .05 % in 3 ms at 17 m/s. Key absent: in proportion to
   /// density_kgpm3, and .01 where that is absent too.
   double spin_decay_per_m = 0.01;
@@ -252,6 +261,9 @@ struct Scene {
   /// [ball] diameter_m, mass_kg, and alpha or inertia = "thin_shell" | "rubber_shell_mean_radius" |
   /// "thick_shell" | "solid" | "measured" (common/ball).
   ball::Ball ball;
+  /// [ball] kind: what the keys of [ball], of [air] and of [bounce] (e, dwell_ms, mu) that are absent take.
+  std::optional<balls::Kind> kind;
+  std::string kind_name;  ///< as a rig file names it, wherever that is
   MachineSettings machine;
   BounceSettings bounce;
   AirSettings air;

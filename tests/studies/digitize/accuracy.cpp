@@ -109,8 +109,13 @@ class Study {
  private:
   Result<Done> one(std::size_t scene, std::size_t shot) const {
     Done done;
-    auto known = known_photograph(
-        {scenes_[scene], options_.seed, static_cast<int>(shot), options_.keep, options_.independent});
+    auto known = known_photograph({.scene = scenes_[scene],
+                                   .seed = options_.seed,
+                                   .shot = static_cast<int>(shot),
+                                   .kept_in = options_.keep,
+                                   .independent = options_.independent,
+                                   .ignore_marking = options_.ignore_marking,
+                                   .shooting = shooting_of(options_, scenes_[scene])});
     if (!known) return tl::unexpected(known.error());
     known->settings.effort = options_.effort;
     done.stages.add("decode", known->decode_ms);
@@ -186,10 +191,51 @@ Result<std::vector<sim::Scene>> load_scenes(const std::vector<std::string>& name
   return scenes;
 }
 
+namespace {
+
+constexpr double kTennis_m = 0.0651;
+
+sim::Scene with_ball(sim::Scene scene, const sim::Scene& of) {
+  const double ratio = of.ball.diameter_m / scene.ball.diameter_m;
+  scene.name += "+" + of.name;
+  scene.ball = of.ball;
+  scene.kind = of.kind;
+  scene.air = of.air;
+  scene.ball_appearance = of.ball_appearance;
+  scene.photograph.exposure = of.photograph.exposure;
+  scene.background = of.background;
+  scene.camera.px_per_m /= ratio;
+  for (double* length : {&scene.camera.half_width_m, &scene.camera.height_m, &scene.camera.distance_m,
+                         &scene.machine.spot_sd_m, &scene.bounce.dwell_s, &scene.bounce.dwell_sd_s})
+    *length *= ratio;
+  scene.machine.spin_radps /= ratio;
+  scene.machine.spin_sd_radps /= ratio;
+  return scene;
+}
+
+}  // namespace
+
+Result<std::vector<sim::Scene>> scenes_of(const Options& options, const std::vector<std::string>& names) {
+  auto scenes = load_scenes(names);
+  if (!scenes || options.ball.empty()) return scenes;
+  auto of = sim::load_scene(options.ball);
+  if (!of) return tl::unexpected(of.error());
+  of->ball_appearance.line |= options.draw_line;
+  for (sim::Scene& scene : *scenes) scene = with_ball(std::move(scene), *of);
+  return scenes;
+}
+
+sim::ShootSettings shooting_of(const Options& options, const sim::Scene& scene) {
+  sim::ShootSettings shooting;
+  if (!options.ball.empty())
+    shooting.period = from_seconds(to_seconds(shooting.period) * scene.ball.diameter_m / kTennis_m);
+  return shooting;
+}
+
 Result<void> study_accuracy(const Options& options) {
   const auto names = scene_names(options.scenes);
   if (!names) return tl::unexpected(names.error());
-  auto scenes = load_scenes(*names);
+  auto scenes = scenes_of(options, *names);
   if (!scenes) return tl::unexpected(scenes.error());
   return Study(options, std::move(*scenes)).run();
 }

@@ -71,13 +71,16 @@ struct Errors {
   bool all_within() const { return std::ranges::all_of(within, std::identity{}); }
 };
 
-Errors errors_of(const reduction::Readout& readout, const reduction::Quantities& truth) {
+/// Of a ball without a line no spin may be told.
+Errors errors_of(const reduction::Readout& readout, reduction::Quantities truth, bool line) {
+  if (!line) truth[Quantity::omega_td_radps] = truth[Quantity::omega_lo_radps] = std::nullopt;
   Errors errors;
   for (std::size_t i = 0; i < kCount; ++i) {
     const Quantity q = kChecked[i];
     errors.error[i] = readout.value[q] && truth[q] ? *readout.value[q] - *truth[q] : std::nan("");
     errors.sd[i] = std::hypot(readout.sd[q].value_or(0.0), readout.sd_systematic[q].value_or(0.0));
-    errors.within[i] = truth[q] && std::abs(errors.error[i]) <= tolerance(q, *truth[q]);
+    errors.within[i] =
+        truth[q] ? std::abs(errors.error[i]) <= tolerance(q, *truth[q]) : !readout.value[q].has_value();
   }
   return errors;
 }
@@ -165,7 +168,7 @@ Result<Done> run_shot(const Options& options, const Take& take) {
   const host::RigFile rig =
       rig_of(take.scene, calibrated(options, take.scene, known->scene_truth.px_per_m_of_ball, take.shot));
   const strobe_msgs::shot_t shot =
-      shot_message(*known, take.scene, take.shot, to_ns(known->shot.exposure.closed));
+      shot_message(*known, take.scene, take.shot, to_ns(known->shot.exposure.closed), take.shooting.period);
   auto settings = host::digitize_settings(rig, known->photograph.width(), known->photograph.height());
   if (!settings) return tl::unexpected(settings.error());
   settings->effort = options.effort;
@@ -175,14 +178,15 @@ Result<Done> run_shot(const Options& options, const Take& take) {
   const strobe_msgs::frame_t frame = messages::frame_to_lcm(digitized->frame);
   const host::AssemblySettings assembly = host::assembly_settings(rig);
   const host::ShotReadout result = host::shot_readout(shot, frame, assembly);
-  Done done{errors_of(result.readout, known->shot.truth), {}, result.readout.flags, result.problem};
+  const bool line = take.scene.ball_appearance.line;
+  Done done{errors_of(result.readout, known->shot.truth, line), {}, result.readout.flags, result.problem};
   const host::AssembledShot assembled = host::assemble(shot, frame, assembly);
   const Mixed mixed(*known, assembled.frame, take.scene.ball.diameter_m);
   if (mixed.empty()) return done;
   for (const Part& part : kParts) {
     const auto readout = reduction::reduce(mixed.frame(part.measured), reduction::Estimator::best);
     if (!readout) return done;
-    done.parts.push_back(errors_of(*readout, known->shot.truth));
+    done.parts.push_back(errors_of(*readout, known->shot.truth, line));
   }
   return done;
 }
@@ -232,8 +236,12 @@ class Study {
     const auto done = try_in_order(
         scenes_.size() * shots, options_.jobs,
         [&](std::size_t i) {
-          return run_shot(
-              options_, {scenes_[i / shots], options_.seed, static_cast<int>(i % shots) + 1, options_.keep});
+          const sim::Scene& scene = scenes_[i / shots];
+          return run_shot(options_, {.scene = scene,
+                                     .seed = options_.seed,
+                                     .shot = static_cast<int>(i % shots) + 1,
+                                     .kept_in = options_.keep,
+                                     .shooting = shooting_of(options_, scene)});
         },
         [&](std::size_t i, const Done& one) {
           const std::string& name = scenes_[i / shots].name;
@@ -320,7 +328,7 @@ Result<void> study_chain(const Options& options) {
   auto names = scene_names(options.scenes);
   if (!names) return tl::unexpected(names.error());
   if (options.scenes.empty()) names->insert(names->begin(), "itf_pace_medium");
-  auto scenes = load_scenes(*names);
+  auto scenes = scenes_of(options, *names);
   if (!scenes) return tl::unexpected(scenes.error());
   return Study(options, std::move(*scenes)).run();
 }

@@ -127,6 +127,11 @@ void add_what(CLI::App& command, Request& request) {
                   "Whose photographs: sim's, or an independent one's that shares no code")
       ->check(CLI::IsMember({"sim", "independent"}))
       ->capture_default_str();
+  command.add_option("--ball", o.ball,
+                     "Of the accuracy and --chain: scene whose ball it is, images where a tennis ball's were");
+  command.add_flag("--draw-line", o.draw_line, "Of --ball: with a line, whatever its scene says");
+  command.add_flag("--ignore-marking", o.ignore_marking,
+                   "Of the accuracy: a line is looked for on balls that have none, too (false)");
   command.add_option("--axis", o.axes, "Of the robustness; without, all");
   command.add_option("--scale-sd-percent", o.scale_sd_percent, "Of the chain's calibrated scale")
       ->capture_default_str()
@@ -167,7 +172,8 @@ void add_digitize_command(CLI::App& app, int& exit_status) {
       "be unmeasurable (said); invented ones; those cut off by the border; rms errors of centre [px], "
       "diameter "
       "[px],\n"
-      "equator [degrees], contact top and width, surface [px], the same over the stated standard deviations "
+      "equator [degrees; false: told of a ball that has no line], contact top and width, surface [px], the same "
+      "over the stated standard deviations "
       "(1: they "
       "are\n"
       "true), the largest; and how many are off by more than 5 stated sd. Times are the least of the "

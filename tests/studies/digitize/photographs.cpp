@@ -98,6 +98,7 @@ KnownPhotograph known_of(const Take& take, sim::SimulatedShot shot) {
   known.scene_truth = sim::photograph_truth(take.scene, shot.exposure, appearance,
                                             sim::lit_balls(take.scene, shot.exposure, appearance));
   known.settings.ball_diameter_m = take.scene.ball.diameter_m;
+  known.settings.line_drawn = take.scene.ball_appearance.line || take.ignore_marking;
   known.settings.px_per_m = known.scene_truth.px_per_m;
   known.settings.flash_times_s = seen_flashes(known.scene_truth);
   known.truth = true_images(take.scene, known.scene_truth);

@@ -40,7 +40,10 @@ void measure_airborne(const TrueImage& truth, const BallImage& image, Score& sco
   ++score.found;
   measure_centre(truth, image, score);
   score.diameter_px.add(image.diameter_px - truth.diameter_px, image.diameter_sd_px);
-  if (!truth.equator_rad) return;
+  if (!truth.equator_rad) {
+    score.lines_invented += image.equator_rad ? 1 : 0;
+    return;
+  }
   ++score.lines;
   if (!image.equator_rad) return;
   ++score.lines_found;
@@ -116,6 +119,7 @@ void Score::add(const Score& other) {
   lines += other.lines;
   lines_found += other.lines_found;
   lines_reported += other.lines_reported;
+  lines_invented += other.lines_invented;
   for (const auto member :
        {&Score::x_px, &Score::y_px, &Score::mahalanobis, &Score::diameter_px, &Score::equator_rad,
         &Score::top_px, &Score::contact_width_px, &Score::surface_px})

@@ -57,6 +57,7 @@ struct Score {
   int lines = 0;  ///< of the found airborne images, those with a line that shows
   int lines_found = 0;
   int lines_reported = 0;  ///< of those not found, said to be unmeasured
+  int lines_invented = 0;  ///< of the found airborne images without a line, those of which one was told
   ErrorTally x_px, y_px;   ///< of the found airborne images
   ErrorTally mahalanobis;  ///< of the centre: its normalized squares are halved, so that 1 is true
   ErrorTally diameter_px;

@@ -35,7 +35,7 @@ flash_t flash_message(int index, std::int64_t edge_ns, std::int64_t first_ns,
 }  // namespace
 
 shot_t shot_message(const KnownPhotograph& known, const sim::Scene& scene, int shot_id,
-                    std::int64_t closed_ns) {
+                    std::int64_t closed_ns, Duration period) {
   const sim::Exposure& exposure = known.shot.exposure;
   const std::int64_t shift_ns = closed_ns - to_ns(exposure.closed);
   shot_t shot{};
@@ -58,7 +58,7 @@ shot_t shot_message(const KnownPhotograph& known, const sim::Scene& scene, int s
     shot.flashes.push_back(flash_message(static_cast<int>(i), to_ns(exposure.pulses[i].edge) + shift_ns,
                                          first_ns, known.scene_truth.flash_times_s[i]));
   shot.flash_count = static_cast<std::int32_t>(shot.flashes.size());
-  shot.plan.period_ns = nanoseconds_of(3e-3);
+  shot.plan.period_ns = period.count();
   shot.plan.shutter_open_ns = shot.shutter_close_ns - shot.shutter_open_ns;
   shot.notes = messages::notes_from_record({{"temperature_c", fmt::format("{}", scene.air.temperature_c)}});
   shot.note_count = static_cast<std::int32_t>(shot.notes.size());
@@ -68,6 +68,8 @@ shot_t shot_message(const KnownPhotograph& known, const sim::Scene& scene, int s
 host::RigFile rig_of(const sim::Scene& scene, const Calibrated& calibrated) {
   host::RigFile rig;
   rig.rig = "bench";
+  if (scene.kind) rig.ball = host::settings_of(*scene.kind);
+  rig.ball.line = scene.ball_appearance.line;
   rig.ball.diameter_m = calibrated.ball_diameter_m;
   rig.ball.diameter_sd_m = calibrated.ball_diameter_sd_m;
   rig.ball.mass_kg = scene.ball.mass_kg;

@@ -5,15 +5,17 @@
 #include <cstdint>
 #include <strobe_msgs/shot_t.hpp>
 
+#include "common/units/time.hpp"
 #include "host/config/rig_file.hpp"
 #include "sim/scene/scene.hpp"
 #include "tests/studies/digitize/photographs.hpp"
 
 namespace strobe::studies::digitize {
 
-/// Flashes were when the sensors' edges said. `closed_ns`: on the firmware's clock, when the shutter closed.
+/// Flashes were when the sensors' edges said. `closed_ns`: on the firmware's clock, when the shutter closed; `period`:
+/// as planned.
 strobe_msgs::shot_t shot_message(const KnownPhotograph& known, const sim::Scene& scene, int shot_id,
-                                 std::int64_t closed_ns);
+                                 std::int64_t closed_ns, Duration period = milliseconds(3));
 
 /// What a person would have written of the scene: the ball, the inclination of the plate, and a calibrated
 /// scale.

@@ -10,6 +10,7 @@
 #include "common/units/time.hpp"
 #include "host/digitize/core/types.hpp"
 #include "sim/scene/scene.hpp"
+#include "sim/shoot/shoot.hpp"
 
 namespace strobe::studies::digitize {
 
@@ -26,6 +27,9 @@ struct Options {
   int rounds = 2;                  ///< the least of their times counts
   int jobs = 1;                    ///< photographs at a time; with more than one, times are not reported
   bool independent = false;        ///< photographs by the second renderer
+  std::string ball;                ///< of the accuracy and the chain: scene whose ball it is; empty: the scenes'
+  bool draw_line = false;          ///< a line on that ball, whatever its scene says
+  bool ignore_marking = false;     ///< of the accuracy: Take::ignore_marking
   double scale_sd_percent = 0.05;  ///< of the chain's calibrated scale
   double ball_sd_mm = 0.0;         ///< by how much the chain's ball differs from what the rig file says
   std::vector<Duration>
@@ -43,6 +47,13 @@ struct Options {
 /// The named scenes, or the thesis's conditions.
 Result<std::vector<std::string>> scene_names(const std::vector<std::string>& named);
 Result<std::vector<sim::Scene>> load_scenes(const std::vector<std::string>& names);
+
+/// The scenes that are asked for, with options.ball in place of their own ball: with its look, its flight and the
+/// light that it needs, the view, dwell time and spin such that images lie on the photograph as the tennis ball's.
+Result<std::vector<sim::Scene>> scenes_of(const Options& options, const std::vector<std::string>& names);
+
+/// Flashes as far apart as that takes.
+sim::ShootSettings shooting_of(const Options& options, const sim::Scene& scene);
 
 /// Accuracy condition by condition.
 Result<void> study_accuracy(const Options& options);

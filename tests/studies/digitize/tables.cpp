@@ -61,22 +61,22 @@ double centre_rms_px(const Score& s) {
 void print_score_head(int name_width) {
   fmt::print(
       "{:<{}} {:>11} {:>5} {:>8} {:>8} {:>4} | {:>6} {:>5} {:>6} | {:>6} {:>5} {:>6} | {:>11} {:>5} {:>6} "
-      "{:>5} {:>6} | {:>6} {:>6} | {:>6} {:>5} | {:>5}\n",
+      "{:>5} {:>6} {:>5} | {:>6} {:>6} | {:>6} {:>5} | {:>5}\n",
       "", name_width, "airborne", "said", "contact", "invented", "cut", "centre", "norm.", "worst", "diam.",
-      "norm.", "worst", "equators", "said", "deg", "norm.", "worst", "top px", "width", "surf.", "norm.",
+      "norm.", "worst", "equators", "said", "deg", "norm.", "worst", "false", "top px", "width", "surf.", "norm.",
       ">5 sd");
 }
 
 void print_score(const std::string& name, int name_width, const Score& s) {
   fmt::print(
       "{:<{}} {:>5}/{:<5} {:>5} {:>4}/{:<3} {:>8} {:>4} | {:>6.3f} {:>5.2f} {:>6.2f} | {:>6.3f} {:>5.2f} "
-      "{:>6.2f} | {:>5}/{:<5} {:>5} {:>6.3f} {:>5.2f} {:>6.2f} | {:>6.2f} {:>6.2f} | {:>6.3f} {:>5.2f} | "
+      "{:>6.2f} | {:>5}/{:<5} {:>5} {:>6.3f} {:>5.2f} {:>6.2f} {:>5} | {:>6.2f} {:>6.2f} | {:>6.3f} {:>5.2f} | "
       "{:>5}\n",
       name, name_width, s.found, s.airborne, s.reported, s.contact_found, s.contact, s.invented, s.cut,
       centre_rms_px(s), s.mahalanobis.normalized(), std::max(s.x_px.largest, s.y_px.largest),
       s.diameter_px.rms(), s.diameter_px.normalized(), s.diameter_px.largest, s.lines_found, s.lines,
       s.lines_reported, degrees(s.equator_rad.rms()), s.equator_rad.normalized(),
-      degrees(s.equator_rad.largest), s.top_px.rms(), s.contact_width_px.rms(), s.surface_px.rms(),
+      degrees(s.equator_rad.largest), s.lines_invented, s.top_px.rms(), s.contact_width_px.rms(), s.surface_px.rms(),
       s.surface_px.normalized(), s.wild());
   std::fflush(stdout);
 }
