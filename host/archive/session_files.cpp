@@ -38,6 +38,12 @@ Result<RigFile> kept_rig(const fs::path& folder, const std::string& utc) {
   const auto text = config::read_file(path);
   if (!text) return tl::unexpected(text.error());
   auto rig = read_rig(*text, path);
+  if (rig && !rig->ball.kind_name.empty()) {
+    const std::string ball = kept(folder, kept_ball_file(rig->ball), utc).string();
+    const auto ball_text = config::read_file(ball);
+    if (!ball_text) return tl::unexpected(ball_text.error());
+    rig = with_ball_kind(*std::move(rig), *ball_text, ball);
+  }
   if (!rig || !rig->camera.calibration) return rig;
   const fs::path calibration = kept(folder, *rig->camera.calibration, utc);
   const auto calibration_text = config::read_file(calibration.string());
@@ -61,7 +67,9 @@ Result<SessionRigs> SessionRigs::open(const fs::path& folder, const std::string&
   for (const fs::path& log : logs) {
     auto rig = kept_rig(folder, utc_of(log));
     if (!rig) return tl::unexpected(rig.error());
-    const bool same = rig->text == rigs.main_->text && rig->calibration_text == rigs.main_->calibration_text;
+    const bool same = rig->text == rigs.main_->text &&
+                      rig->calibration_text == rigs.main_->calibration_text &&
+                      rig->ball_text == rigs.main_->ball_text;
     if (!same)
       rigs.others_.emplace(log.filename().string(), std::make_shared<const RigFile>(std::move(*rig)));
   }

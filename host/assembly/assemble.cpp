@@ -49,6 +49,8 @@ void set_rig(Frame& frame, const shot_t& shot, const AssemblySettings& settings)
   frame.ball_alpha = settings.ball.alpha;
   frame.fastest_spin_radps = settings.ball.fastest_spin_radps;
   frame.ball_alpha_sd = settings.ball.alpha_sd;
+  if (settings.ball.kind) frame.air_law = settings.ball.kind->air;
+  frame.line_drawn = settings.ball.line;
   if (!frame.px_per_m) {
     frame.px_per_m = settings.analysis.px_per_m;
     frame.px_per_m_sd = settings.analysis.px_per_m_sd;
@@ -145,7 +147,8 @@ std::vector<reduction::AssignedTimes> assigned_times(const FlashTimes& times,
 void set_physics(matching::Track& track, const Frame& frame, const FlashTimes& times) {
   const ball::Ball ball{frame.ball_diameter_m, frame.ball_mass_kg.value_or(ball::kThesisMass_kg),
                         frame.ball_alpha.value_or(ball::kMeasuredAlpha)};
-  track.air = flight::aerodynamics(ball, flight::air_density_kgpm3(frame.temperature_c.value_or(20.0)));
+  track.air = flight::aerodynamics(ball, flight::air_density_kgpm3(frame.temperature_c.value_or(20.0)), {},
+                                   frame.air_law.value_or(flight::AirLaw{}));
   for (const ObservedFlash& flash : times.seen) track.time_sd_s = std::max(track.time_sd_s, flash.time_sd_s);
 }
 
@@ -185,6 +188,11 @@ bool no_sensor_fired(const FlashTimes& times, const shot_t& shot) {
 
 }  // namespace
 
+matching::DwellLimits contact_of(const BallSettings& ball) {
+  return ball.kind ? matching::DwellLimits::about(ball.kind->contact.dwell_s)
+                   : matching::DwellLimits::of_diameter(ball.diameter_m);
+}
+
 AssemblySettings assembly_settings(const RigFile& rig) {
   return {rig.ball, rig.analysis, rig.machine_lag_s, rig.camera, false};
 }
@@ -221,7 +229,8 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
   result.frame = std::move(*frame);
   set_rig(result.frame, shot, settings);
   if (result.frame.images.empty())
-    return unmatched(result, Flag::too_few_images, "no image of the ball on the photograph");
+    return unmatched(result, Flag::too_few_images,
+                     "no image of the ball on the photograph whose leg could be told");
   auto track = matching::image_track(result.frame);
   if (!track) {
     return unmatched(result, Flag::degenerate_geometry,
@@ -237,11 +246,17 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
     return unmatched(result, Flag::flash_match_ambiguous, "flash times are out of order");
   }
   if (message.source == "auto") track->missed_share = kMissedByDigitizer;
+  const bool dropped = matching::allow_for_drop(*track);
   set_physics(*track, result.frame, times);
+  track->dwell = contact_of(settings.ball);
   const auto match = matched(times, arrival_prior(shot, *track, times, settings), *track, result);
   if (!match) return unmatched(result, Flag::flash_match_ambiguous, "more images than flashes were seen");
   if (!matching::is_steady(*track, *match))
-    return unmatched(result, Flag::flash_match_ambiguous, "no steady flight passes through the images");
+    return unmatched(result, Flag::flash_match_ambiguous,
+                     dropped
+                         ? "no fall and rise along one line passes through the images: steps of one to two "
+                           "diameters from flash to flash tell them apart (plan: drop_height_m)"
+                         : "no steady flight passes through the images");
   assert(match->hypotheses.front().flash.size() == result.frame.images.size());
   set_times(result.frame, times, match->hypotheses.front());
   result.hypotheses = assigned_times(times, *match);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/reduction/frame.hpp"
+#include "common/reduction/matching/track.hpp"
 #include "common/reduction/mixture.hpp"
 #include "common/reduction/readout.hpp"
 #include "common/reduction/uncertainty.hpp"
@@ -27,6 +28,9 @@ struct AssemblySettings {
 };
 
 AssemblySettings assembly_settings(const RigFile& rig);
+
+/// How long a ball of this kind may touch the surface.
+matching::DwellLimits contact_of(const BallSettings& ball);
 
 struct AssembledShot {
   /// images with the times of their flashes, from the first image's; empty if unmatched

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <optional>
 
-#include "common/reduction/matching/contact_match.hpp"
 #include "host/assembly/assemble.hpp"
+#include "host/assembly/drop_plan.hpp"
 #include "host/assembly/flash_times.hpp"
 
 namespace strobe::host {
@@ -97,10 +97,10 @@ class Digits {
 };
 
 /// As many flashes lie between the legs as the shortest and the longest contact takes.
-std::vector<std::size_t> lags_between_legs(Duration period) {
+std::vector<std::size_t> lags_between_legs(Duration period, const matching::DwellLimits& contact) {
   const double period_s = to_seconds(period);
-  const auto first = static_cast<std::size_t>(std::floor(matching::kShortestDwell_s / period_s));
-  const auto last = static_cast<std::size_t>(std::ceil(matching::kLongestDwell_s / period_s));
+  const auto first = static_cast<std::size_t>(std::floor(contact.least_s / period_s));
+  const auto last = static_cast<std::size_t>(std::ceil(contact.most_s / period_s));
   std::vector<std::size_t> lags(last - first + 1);
   std::iota(lags.begin(), lags.end(), first + kImagesOfLeg);
   return lags;
@@ -123,7 +123,7 @@ SpacingNoise noise_of(const RigFile& rig, bool digitized) {
   const auto px_per_m = rig.camera.px_per_m ? rig.camera.px_per_m : rig.analysis.px_per_m;
   const double centre_sd = digitized && px_per_m ? kDigitizerSd_px / (*px_per_m * rig.ball.diameter_m)
                                                  : matching::kHandSdOfDiameter;
-  return {centre_sd, rig.analysis.flash_time_sd_s.value_or(kSensorTimeSd_s)};
+  return {centre_sd, rig.analysis.flash_time_sd_s.value_or(kSensorTimeSd_s), contact_of(rig.ball)};
 }
 
 Result<std::vector<Duration>> intervals_of(const ShotPlan& even, const SpacingNoise& noise) {
@@ -144,7 +144,7 @@ Result<std::vector<Duration>> coded_intervals(Duration period, std::size_t flash
   const Duration step = step_of(period, noise);
   if (flashes < 2) return std::vector<Duration>{};
   for (int levels = 2; (levels - 1) * step <= period / 2; ++levels) {
-    const auto digits = Digits(levels, lags_between_legs(period)).run(flashes - 1);
+    const auto digits = Digits(levels, lags_between_legs(period, noise.contact)).run(flashes - 1);
     if (!digits) continue;
     const double lengthening = std::accumulate(digits->begin(), digits->end(), 0.0) * to_seconds(step) /
                                static_cast<double>(digits->size());
@@ -158,18 +158,29 @@ Result<std::vector<Duration>> coded_intervals(Duration period, std::size_t flash
       flashes, to_microseconds(step)));
 }
 
-SpacedPlan spaced_plan(const PlanFile& plan, const RigFile& rig, bool digitized) {
-  SpacedPlan spaced{plan, ""};
+SpacedPlan spaced_plan(const PlanFile& given, const RigFile& rig, bool digitized) {
+  SpacedPlan spaced{given, ""};
+  if (given.drop_height_m > 0.0) {
+    auto drop = drop_plan(given, rig);
+    if (!drop) spaced.problem = drop.error().message;
+    if (drop) spaced.plan = std::move(*drop);
+  }
+  const PlanFile plan = spaced.plan;
+  if (plan.drop_height_m > 0.0 && spaced.problem.empty())
+    spaced.remark =
+        fmt::format("for a drop from {:g} m: {:g} ms from flash to flash, for {:g} ms", plan.drop_height_m,
+                    1e3 * to_seconds(plan.even.period), 1e3 * to_seconds(plan.even.exposure));
   if (plan.spacing == Spacing::even) return spaced;
+  if (!spaced.remark.empty()) spaced.remark += "; ";
   spaced.plan.spacing = Spacing::even;
   auto intervals = intervals_of(plan.even, noise_of(rig, digitized));
   if (!intervals) {
-    spaced.remark = fmt::format("even train: {}{}", intervals.error().message,
-                                digitized ? "" : " on a photograph that is measured by hand");
+    spaced.remark += fmt::format("even train: {}{}", intervals.error().message,
+                                 digitized ? "" : " on a photograph that is measured by hand");
   } else if (!intervals->empty()) {
-    spaced.remark = fmt::format("coded train: intervals of {} to {:.0f} us tell which flash made which image",
-                                to_microseconds(plan.even.period),
-                                to_microseconds(*std::ranges::max_element(*intervals)));
+    spaced.remark += fmt::format(
+        "coded train: intervals of {} to {:.0f} us tell which flash made which image",
+        to_microseconds(plan.even.period), to_microseconds(*std::ranges::max_element(*intervals)));
     spaced.plan.intervals = std::move(*intervals);
   }
   return spaced;

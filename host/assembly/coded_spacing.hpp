@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "common/reduction/matching/track.hpp"
 #include "common/result.hpp"
 #include "host/config/plan_file.hpp"
 #include "host/config/rig_file.hpp"
@@ -25,6 +26,7 @@ struct SpacingNoise {
   /// Of a coordinate of a centre, as a share of the ball's diameter; > 0.
   double centre_sd_of_diameter = 0.0;
   double flash_time_sd_s = 0.0;
+  matching::DwellLimits contact{};  ///< of the ball
 };
 
 /// Intervals between `flashes` flashes, in order. Fails, for a person, where no code of so many flashes
@@ -37,6 +39,8 @@ struct SpacedPlan {
   PlanFile plan;
   /// Which train it became and why, for a person; empty where the plan says it by itself.
   std::string remark;
+  /// Why it cannot work, and what would, for a person; empty: it may.
+  std::string problem{};
 };
 
 /// The plan with the intervals that Spacing::coded stands for, else as it is; even where no code is possible.

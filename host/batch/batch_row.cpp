@@ -77,7 +77,11 @@ std::string row_key(const BatchShot& job, const BatchSettings& settings, const s
   const Shot& shot = *job.shot;
   ContentHash hash;
   hash.add(settings.version).add(std::to_string(static_cast<int>(settings.effort))).add(shot.rig->text);
-  hash.add(shot.rig->calibration_text).add(name(job.source)).add(photograph_hash).add(job.corrections);
+  hash.add(shot.rig->calibration_text)
+      .add(shot.rig->ball_text)
+      .add(name(job.source))
+      .add(photograph_hash)
+      .add(job.corrections);
   hash.add(shot.summary ? bytes_of(messages::encode(*shot.summary)) : std::string_view());
   // What the logs tell of the shot beside its summary.
   hash.add(results_line(shot));

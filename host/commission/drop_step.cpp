@@ -27,7 +27,6 @@ using Eigen::VectorXd;
 constexpr int kMinOfLeg = 3;
 constexpr double kOutlier_sd = 5.0;
 constexpr int kIterations = 8;
-constexpr double kDragShareSd = flight::kDragCoefficientSd / flight::kDragCoefficient;
 /// Centres that state less are not better known: texture and light move a centre by some hundredths of a
 /// pixel.
 constexpr double kMinCentreSd_px = 0.02;
@@ -191,7 +190,7 @@ class FreeFallFit {
       const flight::Flight path{place, velocity, flight::forcing(air, of.head<2>(), velocity, 0.0)};
       r.segment<2>(2 * static_cast<Eigen::Index>(k)) = p.weight * (path.position_at(p.time_s) - p.place_m);
     }
-    r[r.size() - 1] = (of[2] - 1.0) / kDragShareSd;
+    r[r.size() - 1] = (of[2] - 1.0) / std::max(air_.law.drag_share_sd(), 1e-6);
     return r;
   }
 
@@ -295,13 +294,15 @@ Result<FreeFall> measure_free_fall(std::span<const reduction::Frame> frames, con
   std::vector<Point> points;
   int legs = 0;
   double density_kgpm3 = flight::kAirDensity_kgpm3;
+  flight::AirLaw law;
   for (const reduction::Frame& frame : frames) {
     add_legs(frame, px_per_m, points, legs);
     if (frame.temperature_c) density_kgpm3 = flight::air_density_kgpm3(*frame.temperature_c);
+    if (frame.air_law) law = *frame.air_law;
   }
   // Three images of one leg leave two residuals to three common unknowns.
   if (legs == 0) return fail("no flight with three images or more");
-  FreeFallFit fit(std::move(points), legs, flight::aerodynamics(ball, density_kgpm3));
+  FreeFallFit fit(std::move(points), legs, flight::aerodynamics(ball, density_kgpm3, {}, law));
   fit.solve();
   int outliers = 0;
   while (fit.drop_outlier()) {

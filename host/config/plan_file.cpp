@@ -136,6 +136,10 @@ PlanFile read_plan_table(config::TomlTable table, const PlanFile& defaults) {
   even.gate_delay = read_duration<Milliseconds>(table, "gate_delay_ms", even.gate_delay, {0.0, 10000.0});
   even.flash_count = static_cast<int>(table.integer_or("flash_count", even.flash_count, {0.0, 100000.0}));
   even.impact_at = read_duration<Milliseconds>(table, "impact_at_ms", even.impact_at, {0.0, 60000.0});
+  plan.drop_height_m = table.number_or("drop_height_m", plan.drop_height_m, {0.0, 20.0});
+  const bool states = table.has("period_us") || table.has("intervals_us");
+  plan.period_stated =
+      plan.drop_height_m > 0.0 && (states || (plan.period_stated && !table.has("drop_height_m")));
   read_code(table, plan);
   read_spacing(table, plan);
   if (even.train == Train::gated && even.flash_count < 1) {
@@ -172,8 +176,11 @@ std::string plan_to_toml(const PlanFile& plan) {
   std::transform(plan.intervals.begin(), plan.intervals.end(), std::back_inserter(intervals_us), us);
   std::string text =
       fmt::format("train = \"{}\"\nshutter_open_ms = {}\n", gated ? "gated" : "free", ms(even.exposure));
-  text += intervals_us.empty() ? fmt::format("period_us = {}\n", us(even.period))
-                               : fmt::format("intervals_us = [{}]\n", fmt::join(intervals_us, ", "));
+  const bool open = plan.drop_height_m > 0.0 && !plan.period_stated;
+  if (plan.drop_height_m > 0.0) text += fmt::format("drop_height_m = {}\n", plan.drop_height_m);
+  if (!intervals_us.empty()) text += fmt::format("intervals_us = [{}]\n", fmt::join(intervals_us, ", "));
+  if (intervals_us.empty() && !open) text += fmt::format("period_us = {}\n", us(even.period));
+  if (open && plan.spacing == Spacing::even) text += "spacing = \"even\"\n";
   if (plan.spacing == Spacing::coded) text += "spacing = \"coded\"\n";
   for (const auto& [key, numbers] : {std::pair("omit", &plan.omit), std::pair("only_a", &plan.only_a),
                                      std::pair("only_b", &plan.only_b)}) {

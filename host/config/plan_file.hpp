@@ -22,6 +22,11 @@ struct PlanFile {
   /// code.
   ShotPlan even{.period = milliseconds{3}, .exposure = milliseconds{500}};
   Spacing spacing = Spacing::coded;  ///< even where a period alone, or a code, was given
+  /// Of balls that are dropped: of their lowest point above the surface, 0.01 to 20. Their images lie on one
+  /// line, so that the period is chosen for them (host/assembly/drop_plan.hpp) unless it is stated. 0 (key
+  /// absent): thrown.
+  double drop_height_m = 0.0;
+  bool period_stated = false;  ///< beside drop_height_m, or over it
   /// Intervals between one flash and the next, repeated over the train; as long as a period may be. Empty:
   /// all are the period.
   std::vector<Duration> intervals;

@@ -38,14 +38,18 @@ CommissionTable read_commission(config::TomlTable table) {
   return read;
 }
 
-BallSettings read_ball(TomlTable table) {
-  BallSettings ball;
+BallSettings read_ball(TomlTable table, BallSettings ball = {}) {
+  ball.kind_name = table.string_or("kind", "");
   ball.diameter_m = table.number_or("diameter_m", ball.diameter_m, {0.01, 1.0});
   ball.diameter_sd_m = table.number_or("diameter_sd_m", ball.diameter_sd_m, {0.0, 0.1});
-  ball.mass_kg = table.optional_number("mass_kg", {0.001, 10.0});
-  ball.alpha = table.optional_number("alpha", {0.01, ball::kThinShellAlpha});
-  ball.fastest_spin_radps = table.optional_number("fastest_spin_radps", {1.0, 1e6});
-  ball.alpha_sd = table.optional_number("alpha_sd", {0.0, ball::kThinShellAlpha});
+  const auto take = [&table](const char* key, config::Range range, std::optional<double>& into) {
+    if (const auto given = table.optional_number(key, range)) into = given;
+  };
+  take("mass_kg", {0.001, 10.0}, ball.mass_kg);
+  take("alpha", {0.01, ball::kThinShellAlpha}, ball.alpha);
+  take("fastest_spin_radps", {1.0, 1e6}, ball.fastest_spin_radps);
+  take("alpha_sd", {0.0, ball::kThinShellAlpha}, ball.alpha_sd);
+  ball.line = table.boolean_or("line", ball.line);
   return ball;
 }
 
@@ -148,6 +152,54 @@ Result<RigFile> read_rig(std::string_view text, const std::string& file_name) {
   return rig;
 }
 
+std::string kept_ball_file(const BallSettings& ball) {
+  if (ball.kind_name.empty()) return "";
+  return "ball-" + std::filesystem::path(ball.kind_name).stem().string() + ".toml";
+}
+
+BallSettings settings_of(const balls::Kind& kind) {
+  BallSettings ball;
+  ball.kind_name = kind.name;
+  ball.kind = kind;
+  ball.diameter_m = kind.diameter_m.value;
+  ball.diameter_sd_m = kind.diameter_m.sd;
+  ball.mass_kg = kind.mass_kg.value;
+  ball.alpha = kind.alpha.value;
+  ball.alpha_sd = kind.alpha.sd;
+  ball.line = kind.marking == balls::Marking::line;
+  return ball;
+}
+
+Result<RigFile> with_ball_kind(RigFile rig, std::string_view text, const std::string& file_name) {
+  auto kind = balls::read_ball_kind(text, file_name);
+  if (!kind) return tl::unexpected(kind.error());
+  kind->name = std::filesystem::path(rig.ball.kind_name).stem().string();
+  config::TomlReader reader(rig.text, "rig.toml");  // read before
+  rig.ball = read_ball(reader.root().table("ball"), settings_of(*kind));
+  rig.ball_text = text;
+  return rig;
+}
+
+namespace {
+
+/// The ball's file: as a session keeps it, else where the rig file says.
+Result<RigFile> with_named_ball(RigFile rig, const std::filesystem::path& beside, const std::string& file) {
+  if (rig.ball.kind_name.empty()) return rig;
+  const std::filesystem::path own = beside / kept_ball_file(rig.ball);
+  std::error_code error;
+  const bool kept = std::filesystem::is_regular_file(own, error);
+  const bool is_path = rig.ball.kind_name.ends_with(".toml");
+  const auto path = kept      ? Result<std::string>(own.string())
+                    : is_path ? Result<std::string>((beside / rig.ball.kind_name).string())
+                              : balls::ball_kind_path(rig.ball.kind_name);
+  if (!path) return fail(fmt::format("{}: ball.kind: {}", file, path.error().message));
+  const auto text = read_file(*path);
+  if (!text) return fail(fmt::format("{}: ball.kind: {}", file, text.error().message));
+  return with_ball_kind(std::move(rig), *text, *path);
+}
+
+}  // namespace
+
 Result<RigFile> load_rig(const std::string& path) {
   const auto found = config::rig_file_or_example(path, "--rig");
   if (!found) return tl::unexpected(found.error());
@@ -161,7 +213,8 @@ Result<RigFile> load_rig(const std::string& path) {
   if (rig->camera.folder) rig->camera.folder = (beside / *rig->camera.folder).string();
   if (rig->commission.board_folder)
     rig->commission.board_folder = (beside / *rig->commission.board_folder).string();
-  if (!rig->camera.calibration) return rig;
+  rig = with_named_ball(*std::move(rig), beside, file);
+  if (!rig || !rig->camera.calibration) return rig;
   const std::string name = (beside / *rig->camera.calibration).string();
   const auto calibration = read_file(name);
   if (!calibration)

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/config/toml_reader.hpp"
+#include "common/data/ball_kind.hpp"
 #include "common/flight/gravity.hpp"
 #include "common/reduction/frame.hpp"
 #include "common/result.hpp"
@@ -44,13 +45,23 @@ struct CommissionTable {
   double gravity_mps2 = flight::kStandardGravity_mps2;  ///< 9.7 to 9.9; the place's own
 };
 
+/// [ball]. What is absent is that of its kind, and without one as said here.
 struct BallSettings {
+  std::string kind_name;  ///< key kind: a shipped kind, or a path that ends in .toml
+  std::optional<balls::Kind> kind;
   double diameter_m = 0.0651;      ///< 0.01 to 1
   double diameter_sd_m = 0.0008;   ///< 0 to 0.1; the diameter's tolerance as a standard deviation
   std::optional<double> mass_kg;   ///< 0.001 to 10; absent: the thesis's
   std::optional<double> alpha;     ///< inertia over m R^2, 0.01 to 2/3; absent: as measured on tennis balls
   std::optional<double> alpha_sd;  ///< 0 to 2/3; absent: as balls differ
   std::optional<double> fastest_spin_radps;  ///< 1 to 1e6, before the bounce; absent: not known
+  bool line =
+      true;  ///< whether one is drawn around it, to measure spin by; absent: as the kind's marking says
+
+  ball::Ball ball() const {
+    return {diameter_m, mass_kg.value_or(ball::kThesisMass_kg), alpha.value_or(ball::kMeasuredAlpha)};
+  }
+  flight::AirLaw air_law() const { return kind ? kind->air : flight::AirLaw{}; }
 };
 
 struct AnalysisSettings {
@@ -88,13 +99,24 @@ struct RigFile {
   std::optional<double> shutter_lag_s;    ///< line to open
   std::string text;                       ///< the file as it was read
   std::string calibration_text;           ///< likewise that which camera.calibration names
+  std::string ball_text;                  ///< likewise that of ball.kind
 };
 
 /// Fails with "FILE:LINE: table.key: what".
 Result<RigFile> read_rig(std::string_view text, const std::string& file_name);
 
-/// Reads the file, or the shipped example if the path is empty, and the calibration that it names; relative
-/// camera.folder and key_file are then beside the file. Fails with the file's name.
+/// Reads the file, or the shipped example if the path is empty, and the calibration and the ball's file that
+/// it names; relative camera.folder and key_file are then beside the file. Fails with the file's name.
 Result<RigFile> load_rig(const std::string& path);
+
+/// Name of the file, beside the rig file, in which a session keeps that of ball.kind ("ball-golf.toml"): it
+/// goes before the one that the rig file names, so that a session keeps its numbers. Empty without ball.kind.
+std::string kept_ball_file(const BallSettings& ball);
+
+/// The rig file with this text for that of its ball's kind; keys of its [ball] go before what the text says.
+Result<RigFile> with_ball_kind(RigFile rig, std::string_view text, const std::string& file_name);
+
+/// The settings of a ball of that kind alone.
+BallSettings settings_of(const balls::Kind& kind);
 
 }  // namespace strobe::host

@@ -213,6 +213,7 @@ Lines render_design(const DesignReport& r, std::size_t width, bool all) {
   Lines head{ball_line(r.design.ball), camera_line(r.design.set_up),
              train_line(r.design.plan, r.train_remark, r.prediction)};
   add_optics(r, head);
+  head.insert(head.end(), r.remarks.begin(), r.remarks.end());
   Lines lines;
   for (const std::string& line : head)
     for (std::string& part : wrapped(line, width, kIndent)) lines.push_back(std::move(part));
@@ -254,6 +255,7 @@ ordered_json design_json(const DesignReport& r) {
     out["best_train"]["total_gain"] = gain(r.prediction, r.best->prediction, r.quantities);
     out["best_train"]["tried"] = r.best->tried;
   }
+  if (!r.remarks.empty()) out["remarks"] = r.remarks;
   out["improvements"] = ordered_json::array();
   for (const Improvement& one : r.improvements)
     out["improvements"].push_back({{"what", one.what}, {"gain", one.gain}});

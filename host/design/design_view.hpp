@@ -17,6 +17,7 @@ namespace strobe::host {
 
 struct DesignReport {
   Design design;
+  std::vector<std::string> remarks;             ///< what is beyond what was measured of the ball's kind
   std::string train_remark;                     ///< how the plan is coded; may be empty
   std::vector<reduction::Quantity> quantities;  ///< that matter
   Prediction prediction;

@@ -15,7 +15,7 @@ namespace strobe::host {
 namespace {
 
 constexpr std::size_t kDrawnNumbers = 9;
-constexpr double kShortestDwell_s = 1e-3, kLongestDwell_s = 9e-3;
+constexpr double kShortestDwell_s = 1e-4, kLongestDwell_s = 0.05;
 constexpr double kSteepest_rad = -0.5 * std::numbers::pi, kFlattest_rad = -std::numbers::pi / 180.0;
 constexpr double kContactTolerance = 1e-3;  // far less than balls differ
 constexpr double kSlowest_mps = 0.5, kFastest_mps = 100.0;
@@ -61,7 +61,8 @@ std::optional<std::string> problem_of(const ExpectedBall& ball) {
   if (outside(ball.spin_radps.mean, -1e4, 1e4)) return "spin: must be within 10,000 rad/s";
   if (outside(ball.e.mean, 0.01, 1.0)) return "e: must be 0.01 to 1";
   if (outside(ball.mu.mean, 0.0, 10.0)) return "mu: must be 0 to 10";
-  if (outside(ball.dwell_s.mean, kShortestDwell_s, kLongestDwell_s)) return "dwell time: must be 1 to 9 ms";
+  if (outside(ball.dwell_s.mean, kShortestDwell_s, kLongestDwell_s))
+    return "dwell time: must be 0.1 to 50 ms";
   return std::nullopt;
 }
 
@@ -97,7 +98,8 @@ Result<BallCourse> BallCourse::make(const ExpectedBall& expected, const BallDraw
   course.dwell_s_ = contact.dwell_s;
   course.dwell_distance_m_ = 0.5 * (course.touchdown_.vx_mps + course.lift_off_.vx_mps) * course.dwell_s_;
   course.radius_m_ = expected.ball.radius_m();
-  const flight::Aerodynamics air = flight::aerodynamics(expected.ball, expected.air_density_kgpm3);
+  const flight::Aerodynamics air =
+      flight::aerodynamics(expected.ball, expected.air_density_kgpm3, {}, expected.air_law());
   course.approach_ = flight_from({0.0, course.radius_m_}, course.touchdown_, air, gravity_mps2);
   course.departure_ =
       flight_from({course.dwell_distance_m_, course.radius_m_}, course.lift_off_, air, gravity_mps2);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/ball/ball.hpp"
+#include "common/data/ball_kind.hpp"
 #include "common/flight/aerodynamics.hpp"
 #include "common/impact/closed_form/rebound.hpp"
 #include "common/impact/ode/contact_ode.hpp"
@@ -32,9 +33,12 @@ struct ExpectedBall {
   Spread spin_radps{0.0, 0.0};   ///< backspin positive
   Spread e{0.75, 0.0};           ///< normal restitution; mean above 0 to 1
   Spread mu{impact::ContactCoefficients{}.mu, 0.0};  ///< coefficient of friction, >= 0
-  Spread dwell_s{0.005, 0.0};                        ///< 1 to 9 ms
+  Spread dwell_s{0.005, 0.0};                        ///< 0.1 to 50 ms
   ball::Ball ball{};
   double air_density_kgpm3 = flight::kAirDensity_kgpm3;
+  std::optional<balls::Kind> kind{};  ///< absent: a tennis ball
+
+  flight::AirLaw air_law() const { return kind ? kind->air : flight::AirLaw{}; }
 };
 
 /// What is wrong with it, naming the quantity; nullopt: nothing.

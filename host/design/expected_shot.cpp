@@ -82,6 +82,7 @@ void state_calibration(const SetUp& set_up, const ExpectedBall& ball, reduction:
   frame.ball_mass_kg = ball.ball.mass_kg;
   frame.ball_alpha = ball.ball.alpha;
   frame.air_density_kgpm3 = ball.air_density_kgpm3;
+  if (ball.kind) frame.air_law = ball.kind->air;
   frame.temperature_c = set_up.temperature_c;
   frame.fastest_spin_radps = set_up.fastest_spin_radps;
   frame.surface_angle_deg = degrees(set_up.surface_angle_rad);

@@ -93,7 +93,9 @@ void add_faster_train(const Design& now, const RigFile& rig, std::vector<Variant
   plan.omit.clear();
   if (plan.even.train == Train::gated)
     plan.even.flash_count = static_cast<int>(plan.even.flash_count * (now.plan.even.period / period));
-  plan = spaced_plan(plan, rig, now.set_up.measured_by == MeasuredBy::digitizer).plan;
+  SpacedPlan spaced = spaced_plan(plan, rig, now.set_up.measured_by == MeasuredBy::digitizer);
+  if (!spaced.problem.empty()) return;
+  plan = std::move(spaced.plan);
   if (plan_problem(plan.shot(), now.set_up.limits)) return;
   Variant v{fmt::format("a flash every {:.3g} ms", 1e3 * to_seconds(period)), now};
   v.design.plan = std::move(plan);

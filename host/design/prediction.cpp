@@ -110,7 +110,8 @@ std::vector<reduction::AssignedTimes> assignments(const ExpectedShot& shot, cons
                                                   const ExpectedBall& ball, const SetUp& set_up) {
   auto track = matching::image_track(shot.frame);
   if (!track) return {};
-  track->air = flight::aerodynamics(ball.ball, ball.air_density_kgpm3);
+  track->air = flight::aerodynamics(ball.ball, ball.air_density_kgpm3, {}, ball.air_law());
+  if (ball.kind) track->dwell = matching::DwellLimits::about(ball.kind->contact.dwell_s);
   track->time_sd_s = set_up.flash_time_sd_s;
   const matching::ArrivalPrior prior{train.touchdown_s, std::numbers::sqrt2 * train.arrival_sd_s};
   const auto match = matching::match_flashes(train.flash_s, *track, prior);

@@ -54,6 +54,7 @@ SetUp with_exact_scale(SetUp s) {
 struct Candidate {
   PlanFile plan;
   ExpectedTrain train;
+  std::string problem;
   double score = kNever;
 };
 
@@ -93,7 +94,9 @@ class Search {
   /// As `strobe fire` would code it.
   Candidate coded(const PlanFile& plan) const {
     Candidate c;
-    c.plan = spaced_plan(plan, rig_, digitized()).plan;
+    SpacedPlan spaced = spaced_plan(plan, rig_, digitized());
+    c.problem = std::move(spaced.problem);
+    c.plan = std::move(spaced.plan);
     c.train = expected_train(c.plan.shot(), set_up_, ball_);
     return c;
   }
@@ -116,10 +119,11 @@ class Search {
       plan.spacing =
           plan_.spacing == Spacing::even && plan_.intervals.empty() ? Spacing::even : Spacing::coded;
       plan.even.period = microseconds{std::llround(1e6 * period_s)};
+      plan.period_stated = true;
       keep_length(plan);
       if (plan_problem(plan.shot(), set_up_.limits)) continue;
       Candidate c = coded(plan);
-      if (rate(c) && c.score < best.score) best = c;
+      if (c.problem.empty() && rate(c) && c.score < best.score) best = c;
       if (!go_on(0.3 * std::log(period_s / shortest_interval_s()) /
                  std::log(longest_s / shortest_interval_s())))
         return;

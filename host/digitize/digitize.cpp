@@ -87,6 +87,7 @@ class Digitizer {
       result_.no_surface = {Reason::no_plate, "the ball flies straight on through the edge that was found"};
       follow_path(outlines);
     }
+    tell_hidden();
     measure_scale();
     watch.lap("path");
     measure_contacts(result_);
@@ -199,6 +200,7 @@ class Digitizer {
   void fill_frame() {
     reduction::Frame& frame = result_.frame;
     frame.ball_diameter_m = settings_.ball_diameter_m;
+    frame.line_drawn = settings_.line_drawn;
     frame.ball_diameter_sd_m = settings_.ball_diameter_sd_m;
     frame.fastest_spin_radps = settings_.fastest_spin_radps;
     if (settings_.px_per_m_sd) {
@@ -248,6 +250,28 @@ class Digitizer {
     });
   }
 
+  /// A ball that falls and rises along one line under flashes that are too close: of places one above the
+  /// other hardly any can be measured.
+  void tell_hidden() {
+    constexpr double kWidthOfDiameter = 0.12;
+    constexpr std::ptrdiff_t kMany = 6;
+    if (!surface_ || result_.outlines.empty()) return;
+    const geometry::SurfaceFrame axes = surface_frame(*surface_);
+    const auto along = [&](const cv::Point2d& centre) { return axes.from_image(to_eigen(centre)).x(); };
+    const double at = along(result_.outlines.front().centre);
+    const double width = kWidthOfDiameter * result_.outlines.front().diameter;
+    const auto measured = std::ranges::count_if(
+        result_.outlines, [&](const Outline& o) { return std::abs(along(o.centre) - at) <= width; });
+    const auto hidden = std::ranges::count_if(result_.unmeasured, [&](const Unmeasured& u) {
+      return u.what == std::string_view("image") && std::abs(along(u.centre) - at) <= width;
+    });
+    if (measured == std::ssize(result_.outlines) && hidden >= kMany && hidden > 2 * measured)
+      result_.remarks.push_back(
+          "the ball's images lie on each other along one line: of so many hardly one can be measured; leave "
+          "steps of "
+          "one to two diameters from flash to flash (plan: drop_height_m)");
+  }
+
   void measure_scale() {
     if (result_.outlines.empty()) return;
     const SizeModel size = fit_size_model(result_.outlines);
@@ -265,6 +289,11 @@ class Digitizer {
   }
 
   void measure_line_angles() {
+    if (!settings_.line_drawn) {
+      if (!result_.outlines.empty())
+        result_.remarks.push_back("no line is drawn on the ball: its spin is not measured");
+      return;
+    }
     const auto equators = measure_equators(photograph_, map_, result_.outlines, settings_.effort);
     for (std::size_t i = 0; i < equators.size(); ++i) {
       if (!equators[i]) {

@@ -31,6 +31,9 @@ struct DigitizeSettings : FlightFacts {
   PlaneMap map = PlaneMap::uncalibrated(0);
   std::optional<SurfaceLine> surface;  ///< calibrated; absent: found from the plate
   Effort effort = Effort::standard;
+  /// Whether a line is drawn around the ball's equator. Without one none is looked for: seams, panels and
+  /// print tell no spin.
+  bool line_drawn = true;
 };
 
 /// The ball's size by its images.

@@ -23,6 +23,7 @@ ordered_json inputs_json(const DigitizeSettings& settings) {
       settings.flash_times_s ? ordered_json(settings.flash_times_s->size()) : ordered_json(nullptr);
   inputs["effort"] = name(settings.effort);
   inputs["direction"] = !settings.leftwards ? "auto" : *settings.leftwards ? "left" : "right";
+  inputs["line_drawn"] = settings.line_drawn;
   inputs["bounce"] = messages::or_null(settings.bounce);
   return inputs;
 }

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <utility>
 
+#include "common/flight/aerodynamics.hpp"
 #include "host/assembly/camera_map.hpp"
 #include "host/assembly/flash_times.hpp"
+#include "host/config/notes.hpp"
 
 namespace strobe::host {
 namespace {
@@ -27,6 +29,9 @@ Result<digitize::DigitizeSettings> digitize_settings(const RigFile& rig, int wid
   digitize::DigitizeSettings settings;
   settings.ball_diameter_m = rig.ball.diameter_m;
   settings.ball_diameter_sd_m = rig.ball.diameter_sd_m;
+  settings.line_drawn = rig.ball.line;
+  const double density = flight::air_density_kgpm3(note_number(rig.record, "temperature_c").value_or(20.0));
+  settings.drag_per_m = flight::aerodynamics(rig.ball.ball(), density, {}, rig.ball.air_law()).drag_per_m;
   settings.fastest_spin_radps = rig.ball.fastest_spin_radps;
   if (camera.px_per_m) {
     settings.px_per_m = *camera.px_per_m;

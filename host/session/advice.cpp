@@ -41,7 +41,8 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kAdvice{
     "Look for an image that was measured wrongly, for blur, or for a camera that was touched; calibrate "
     "again.",
     "State the scale's sd in the rig file, or calibrate the camera.",
-    "State the fastest spin that the machine can throw ([ball] fastest_spin_radps), or use a coded train."};
+    "State the fastest spin that the machine can throw ([ball] fastest_spin_radps), or use a coded train.",
+    "Look at the kind's range of speeds (strobe ball KIND); a file of one's own can state another drag."};
 
 constexpr std::string_view kNoBall =
     "Look at the photograph. If the ball is on it, add its images by hand; if not, look whether the machine "

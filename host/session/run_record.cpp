@@ -35,6 +35,8 @@ void visit_fields(Run& run, const Visit& visit) {
   visit("command", run.command);
   visit("session_shots", run.session_shots);
   visit("until_known", run.until_known);
+  visit("protocol", run.protocol);
+  visit("protocol_seed", run.protocol_seed);
 }
 
 void read_field(const Json& json, std::int64_t& host_id) {

@@ -34,6 +34,8 @@ struct RunRecord {
   /// Shots that count which the session is to hold in the end: what `--resume` goes on to.
   int session_shots = 0;
   std::string until_known;  ///< --until-known, as "e:0.003,mu:1%"; empty: not given
+  std::string protocol;     ///< the name of the one that the session's protocol.toml holds; empty: none
+  int protocol_seed = 0;    ///< of its drawn order
 };
 
 /// One line, with its end.

@@ -69,13 +69,14 @@ std::string utc_for_table(WallTime wall) {
 Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folder, const std::string& utc,
                                                            std::string_view rig_text,
                                                            std::string_view plan_text,
-                                                           const KeptFile& calibration) {
+                                                           const KeptFile& calibration,
+                                                           const KeptFile& ball) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fail(folder.string() + ": " + error.message());
   std::string plan_file;
   for (const auto& [name, text] :
-       {KeptFile{"rig.toml", rig_text}, KeptFile{"plan.toml", plan_text}, calibration}) {
+       {KeptFile{"rig.toml", rig_text}, KeptFile{"plan.toml", plan_text}, calibration, ball}) {
     if (name.empty()) continue;
     auto kept = keep(folder / name, text, utc);
     if (!kept) return tl::unexpected(kept.error());

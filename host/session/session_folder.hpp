@@ -66,12 +66,13 @@ struct KeptFile {
 class SessionFolder {
  public:
   /// Makes the folder if need be, opens a new log and results.csv for appending, keeps the rig and plan
-  /// files and the camera's calibration. utc: as of utc_for_file(). Fails with the path that cannot be
-  /// written.
+  /// files, the camera's calibration and the ball's file. utc: as of utc_for_file(). Fails with the path that
+  /// cannot be written.
   static Result<std::unique_ptr<SessionFolder>> open(const std::filesystem::path& folder,
                                                      const std::string& utc, std::string_view rig_text,
                                                      std::string_view plan_text,
-                                                     const KeptFile& calibration = {});
+                                                     const KeptFile& calibration = {},
+                                                     const KeptFile& ball = {});
 
   /// Appends a message as it came, at `wall`. Each is on its way to the disk before the call returns, so
   /// that a killed host loses none.

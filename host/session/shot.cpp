@@ -120,6 +120,7 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kWords{
     "the measurements scatter more than their stated noise explains: uncertainties are too small",
     "the calibrated scale came without an sd and was taken as exact: uncertainties lack its share",
     "a ball spinning faster than any in play would look the same; nobody stated how fast it can spin",
+    "the ball flew slower or faster than its kind's drag and lift were measured at",
 };
 
 using reduction::Quantity;
@@ -141,8 +142,10 @@ std::optional<double> natural_scale(const reduction::Readout& readout, Quantity 
     case Quantity::court_pace:
       return 100.0;
     case Quantity::dwell_time_ms:
-    case Quantity::dwell_distance_cm:
       return readout.value[q];
+    case Quantity::dwell_distance_cm:  // of a drop it is zero
+      if (!readout.value[q]) return std::nullopt;
+      return std::max(std::abs(*readout.value[q]), 100.0 * 0.1 * tolerance.ball_diameter_m);
     default:
       return readout.value[Quantity::v_td_mps];
   }

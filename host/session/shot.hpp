@@ -108,7 +108,8 @@ std::string words(const reduction::LikelyCause& cause);
 /// standard deviation between the hypotheses, which of two equally likely ones is their difference.
 struct MatchTolerance {
   double percent = 1.0;  ///< of the speed at touchdown, of the spin of a ball that rolls with it, of 1 (e,
-                         ///< mu, the court pace's 100), of 1 rad, of the dwell's own time and distance
+                         ///< mu, the court pace's 100), of 1 rad, of the dwell's own time and distance, the
+                         ///< latter a tenth of the ball at least
   double ball_diameter_m = 0.0651;
 };
 

@@ -79,20 +79,38 @@ std::string plus_minus(const std::optional<double>& number, double uncertainty) 
 }
 
 /// The value with two digits of its standard uncertainty, `all`: and what that is made of.
-std::string shot_row(std::string_view words, const reduction::Numbers& numbers, Quantity q, bool all) {
+std::string shot_row(std::string_view words, std::string_view unit, const reduction::Numbers& numbers,
+                     Quantity q, bool all) {
   const auto total = total_sd(numbers, q);
   const double digits = total.value_or(0.0);
   std::string line = left(words, kNameWidth) +
                      right(numbers.value[q] ? rounded(*numbers.value[q], digits) : "-", kNumberWidth) + " " +
-                     plus_minus(total, digits) + " " +
-                     left(kQuantityLabels[static_cast<std::size_t>(q)].unit, kUnitWidth);
+                     plus_minus(total, digits) + " " + left(unit, kUnitWidth);
   if (!all) return line;
   return line + " " + plus_minus(numbers.sd[q], digits) + " " + plus_minus(numbers.sd_systematic[q], digits) +
          " " + plus_minus(reduction::expanded_uncertainty(numbers, q), digits);
 }
 
 std::string shot_row(const reduction::Readout& readout, Quantity q, bool all) {
-  return shot_row(kQuantityLabels[static_cast<std::size_t>(q)].words, readout, q, all);
+  const auto& label = kQuantityLabels[static_cast<std::size_t>(q)];
+  return shot_row(label.words, label.unit, readout, q, all);
+}
+
+/// Of a ball that was dropped.
+Lines drop_rows(const reduction::Readout& readout, bool all) {
+  Lines lines;
+  if (!readout.drop) return lines;
+  const auto add = [&](std::string_view words, const reduction::DerivedNumber& height) {
+    // In the place of any number in metres.
+    reduction::Numbers numbers;
+    numbers.value[Quantity::v_lo_mps] = height.value;
+    numbers.sd[Quantity::v_lo_mps] = height.sd;
+    numbers.sd_systematic[Quantity::v_lo_mps] = height.sd_systematic;
+    lines.push_back(shot_row(words, "m", numbers, Quantity::v_lo_mps, all));
+  };
+  add("fall height", readout.drop->fall_height_m);
+  add("rebound height", readout.drop->rebound_height_m);
+  return lines;
 }
 
 std::string series_cells(const QuantitySummary& s) {
@@ -178,6 +196,7 @@ Lines shot_beside_series(const ViewModel& model) {
     if (is_shown(model.last->readout, q, model.all))
       lines.push_back(shot_row(model.last->readout, q, false) + series_cells(summary.quantities[i]));
   }
+  append(lines, drop_rows(model.last->readout, false));
   return lines;
 }
 
@@ -213,13 +232,17 @@ Lines render_shot(const Shot& shot_result, std::size_t width, bool all) {
       const auto q = static_cast<Quantity>(i);
       if (is_shown(shot_result.readout, q, all)) lines.push_back(shot_row(shot_result.readout, q, all));
     }
+    append(lines, drop_rows(shot_result.readout, all));
   }
   if (const auto& launch = shot_result.readout.launch) {
     constexpr std::array<std::string_view, reduction::kLaunchQuantities.size()> kWords{
         "launch speed", "launch angle", "launch vx", "launch vy", "launch spin"};
     lines.push_back(shot_header(all));
-    for (std::size_t i = 0; i < kWords.size(); ++i)
-      lines.push_back(shot_row(kWords[i], *launch, reduction::kLaunchQuantities[i].quantity, all));
+    for (std::size_t i = 0; i < kWords.size(); ++i) {
+      const Quantity q = reduction::kLaunchQuantities[i].quantity;
+      lines.push_back(
+          shot_row(kWords[i], kQuantityLabels[static_cast<std::size_t>(q)].unit, *launch, q, all));
+    }
   }
   append(lines, remarks(shot_result, all, width));
   return fitted(std::move(lines), width);

@@ -16,22 +16,6 @@ using reduction::Quantity;
 
 std::string key(Quantity q) { return std::string(name(q)); }
 
-ordered_json lines_json(const std::vector<BudgetLine>& lines) {
-  ordered_json array = ordered_json::array();
-  for (const BudgetLine& line : lines) {
-    array.push_back({{"source", line.source},
-                     {"type", line.type == EvaluationType::a ? "A" : "B"},
-                     {"input_sd", line.input_sd > 0.0 ? ordered_json(line.input_sd) : ordered_json()},
-                     {"input_unit", line.input_unit},
-                     {"sensitivity", or_null(line.sensitivity)},
-                     {"effect", line.effect},
-                     {"share", line.share},
-                     {"degrees_of_freedom", or_null(line.degrees_of_freedom)},
-                     {"shared", line.shared}});
-  }
-  return array;
-}
-
 ordered_json quantity_json(const QuantitySummary& s) {
   return {{"n", s.n},
           {"mean", s.n > 0 ? ordered_json(s.mean) : ordered_json()},
@@ -41,7 +25,7 @@ ordered_json quantity_json(const QuantitySummary& s) {
           {"total_sd", or_null(s.total_sd)},
           {"degrees_of_freedom", or_null(s.degrees_of_freedom)},
           {"expanded_uncertainty", or_null(s.expanded_uncertainty)},
-          {"budget", lines_json(s.budget)}};
+          {"budget", budget_json(s.budget)}};
 }
 
 ordered_json thesis_json(const thesis::Condition& condition) {
@@ -66,6 +50,22 @@ std::string_view agreement_name(reduction::Agreement agrees) {
 }
 
 }  // namespace
+
+ordered_json budget_json(const std::vector<BudgetLine>& lines) {
+  ordered_json array = ordered_json::array();
+  for (const BudgetLine& line : lines) {
+    array.push_back({{"source", line.source},
+                     {"type", line.type == EvaluationType::a ? "A" : "B"},
+                     {"input_sd", line.input_sd > 0.0 ? ordered_json(line.input_sd) : ordered_json()},
+                     {"input_unit", line.input_unit},
+                     {"sensitivity", or_null(line.sensitivity)},
+                     {"effect", line.effect},
+                     {"share", line.share},
+                     {"degrees_of_freedom", or_null(line.degrees_of_freedom)},
+                     {"shared", line.shared}});
+  }
+  return array;
+}
 
 ordered_json series_json(const SeriesSummary& summary, const std::optional<thesis::Condition>& condition) {
   ordered_json object{{"series", summary.name}, {"counted", summary.counted}, {"rejected", summary.rejected}};
@@ -128,7 +128,7 @@ ordered_json budget_json(const reduction::Budget& budget, const reduction::Reado
   ordered_json object = ordered_json::object();
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
-    object[key(q)] = readout.value[q] ? lines_json(budget_lines(budget, q)) : ordered_json();
+    object[key(q)] = readout.value[q] ? budget_json(budget_lines(budget, q)) : ordered_json();
   }
   return object;
 }

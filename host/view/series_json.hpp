@@ -21,6 +21,8 @@ nlohmann::ordered_json comparison_json(const std::string& first, const std::stri
                                        const Comparison& comparison);
 nlohmann::ordered_json monte_carlo_json(const reduction::MonteCarlo& drawn);
 
+nlohmann::ordered_json budget_json(const std::vector<BudgetLine>& lines);
+
 /// Of one shot: for each quantity its lines.
 nlohmann::ordered_json budget_json(const reduction::Budget& budget, const reduction::Readout& readout);
 

@@ -209,6 +209,7 @@ std::string tables_hash(const host::RigFile& rig, const std::vector<std::string>
     out << '[' << name << "]\n";
     if (const toml::table* table = root[name].as_table()) out << toml::json_formatter(*table) << '\n';
     if (name == "camera") out << rig.calibration_text;
+    if (name == "ball") out << rig.ball_text;
   }
   return sha256(out.str());
 } catch (const toml::parse_error&) {

@@ -26,6 +26,12 @@ constexpr double kMinNoise_px = 0.1;
 
 const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
 
+constexpr const char* kUndecidedDrop =
+    "the ball flies along one line, and the flashes' times leave open which images are of the way down and "
+    "which of "
+    "the way up: no image has a time; steps of one to two diameters from flash to flash tell (plan: "
+    "drop_height_m)";
+
 /// Median of the steps in height from image to image.
 double step_up(std::span<const PathPoint> points, const std::vector<int>& leg) {
   std::vector<double> steps;
@@ -75,6 +81,7 @@ class Orderer {
     track.surface_known = context_.path.surface_known;
     track.gravity_pxps2 = {order.towards * context_.gravity_mps2.x() * context_.px_per_m,
                            context_.gravity_mps2.y() * context_.px_per_m};
+    track.air.drag_per_m = context_.path.drag_per_m;
     double variance = 0.0;
     for (std::size_t k = 0; k < order.sequence.size(); ++k) {
       if (!order.leg[k]) continue;
@@ -84,6 +91,7 @@ class Orderer {
     }
     variance /= static_cast<double>(track.images.size());
     track.sd_px = std::max(kMinNoise_px, std::sqrt(variance));
+    if (path_.straight) matching::allow_for_drop(track);
     return track;
   }
 
@@ -169,7 +177,7 @@ class Orderer {
       result_.other_leg.push_back(!leg.has_value());
     }
     tell_bounces(order);
-    if (path_.straight) return set_drop_flashes(order);
+    if (path_.straight) return set_drop_times(order);
     if (context_.path.flash_times_s.empty()) return;
     if (!match) match = timed(order);
     if (!match) {
@@ -201,9 +209,33 @@ class Orderer {
                                   ? "the ball flies along one line: without the flashes' times no image can "
                                     "be told to be of the way down "
                                     "or of the way up"
-                                  : "the ball flies along one line, and the flashes' times leave open which "
-                                    "images are of the way down and "
-                                    "which of the way up: no image has a time");
+                                  : kUndecidedDrop);
+  }
+
+  /// By the match of both legs, which weighs residuals. It must see the same steps as the search for the
+  /// flights.
+  void set_drop_times(const PathOrder& order) {
+    const auto match = timed(order);
+    const std::vector<bool> other_leg = result_.other_leg;
+    set_drop_flashes(order);
+    if (!match || !match->match.steady) return;
+    const TimeOrder found = result_;
+    result_.other_leg = other_leg;
+    result_.flash.clear();
+    set_flashes(order, match->match.hypotheses.front().flash);
+    int first = -1, shift = 0;
+    for (std::size_t k = 0; k < found.flash.size(); ++k) {
+      const bool airborne = order.leg[k] && order.leg[k] != Leg::contact && found.flash[k] >= 0;
+      if (!airborne) continue;
+      if (first < 0) shift = result_.flash[k] - found.flash[k];
+      first = 0;
+      if (result_.flash[k] - found.flash[k] == shift) continue;
+      result_.flash.assign(order.sequence.size(), -1);
+      result_.leg.assign(order.sequence.size(), std::nullopt);
+      result_.other_leg.assign(order.sequence.size(), true);
+      result_.remarks.push_back(kUndecidedDrop);
+      return;
+    }
   }
 
   /// Each image's, and those of contacts where as many flashes lie between.

@@ -48,6 +48,8 @@ PathContext path_context(std::span<const Outline> outlines, const std::optional<
   PathContext context{median(std::move(diameters)), surface.has_value(),
                       surface ? height_sd_px(*surface) : 0.0};
   context.flash_times_s = facts.times_s();
+  context.ball_diameter_m = facts.ball_diameter_m;
+  context.drag_per_m = facts.drag_per_m;
   context.gravity_pxps2 = flight::kStandardGravity_mps2 * context.diameter_px / facts.ball_diameter_m;
   return context;
 }

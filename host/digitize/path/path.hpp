@@ -31,6 +31,7 @@ double variance_across(const PathPoint& point, double diameter_px);
 /// What is known of the flight before it is seen.
 struct FlightFacts {
   double ball_diameter_m = 0.0651;                   ///< 0.01 to 1
+  double drag_per_m = 0.0;                           ///< of that ball, flight::Aerodynamics; 0: not known
   std::optional<bool> leftwards;                     ///< absent: estimated from the bounce
   std::optional<int> bounce;                         ///< whose legs and times are wanted, from 1 in time
   std::optional<std::vector<double>> flash_times_s;  ///< of all flashes, ascending
@@ -46,6 +47,8 @@ struct PathContext {
   double surface_sd_px = 0.0;
   std::span<const double> flash_times_s{};  ///< ascending; empty: not known
   double gravity_pxps2 = 0.0;               ///< towards the surface
+  double ball_diameter_m = 0.0651;
+  double drag_per_m = 0.0;
 };
 
 std::vector<PathPoint> path_points(std::span<const Outline> outlines,

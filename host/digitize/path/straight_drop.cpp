@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "common/geometry/leg.hpp"
-#include "common/reduction/matching/contact_match.hpp"
+#include "common/reduction/matching/track.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -63,8 +63,14 @@ double information(std::span<const DropImage> images, const PathContext& context
 
 class FallSearch {
  public:
-  FallSearch(std::span<const DropImage> images, const PathContext& context, std::vector<double> times_s)
-      : images_(images), context_(context), times_s_(std::move(times_s)) {
+  /// `drag`: +1 where the ball falls, which drag makes slower; -1 where a rise is looked at backwards in
+  /// time.
+  FallSearch(std::span<const DropImage> images, const PathContext& context, std::vector<double> times_s,
+             double drag)
+      : images_(images),
+        context_(context),
+        times_s_(std::move(times_s)),
+        drag_per_px_(drag * context.drag_per_m * context.ball_diameter_m / context.diameter_px) {
     for (const DropImage& image : images) highest_px_ = std::max(highest_px_, image.height_px);
     information_ = information(images, context);
   }
@@ -101,14 +107,16 @@ class FallSearch {
                     kDropTolerance_sd * images_[static_cast<std::size_t>(i)].sd_px);
   }
 
+  /// Downwards, at a place between those of these images.
+  double acceleration_pxps2(const Fall::Place& a, const Fall::Place& b) const {
+    const double speed = (b.height_px - a.height_px) / (time_s(b.flash) - time_s(a.flash));
+    return context_.gravity_pxps2 - drag_per_px_ * speed * speed;
+  }
+
   /// Velocity up at `a`, if the ball flies from `a` to `b`, either of them first.
   double velocity_at(const Fall::Place& a, const Fall::Place& b) const {
     const double dt = time_s(b.flash) - time_s(a.flash);
-    return (b.height_px - a.height_px) / dt + 0.5 * context_.gravity_pxps2 * dt;
-  }
-
-  double height_at(const Fall::Place& from, double velocity, double dt) const {
-    return from.height_px + velocity * dt - 0.5 * context_.gravity_pxps2 * dt * dt;
+    return (b.height_px - a.height_px) / dt + 0.5 * acceleration_pxps2(a, b) * dt;
   }
 
   int nearest_image(double height_px, std::uint64_t used) const {
@@ -126,9 +134,11 @@ class FallSearch {
   /// Where the last images lead to: few enough for the air to change little, enough for one bad one to do
   /// little.
   double predicted_px(const std::vector<Fall::Place>& places, int flash) const {
-    geometry::LegFit fit(Eigen::Vector2d(0.0, -context_.gravity_pxps2));
-    for (std::size_t k = places.size(); k-- > 0 && fit.count() < kLastImages;)
-      if (places[k].image >= 0) fit.add(time_s(places[k].flash), {0.0, places[k].height_px});
+    std::vector<const Fall::Place*> last;
+    for (std::size_t k = places.size(); k-- > 0 && std::ssize(last) < kLastImages;)
+      if (places[k].image >= 0) last.push_back(&places[k]);
+    geometry::LegFit fit(Eigen::Vector2d(0.0, -acceleration_pxps2(*last.front(), *last.back())));
+    for (const Fall::Place* p : last) fit.add(time_s(p->flash), {0.0, p->height_px});
     return fit.path().position_at(time_s(flash) - fit.mean_time_s()).y();
   }
 
@@ -164,19 +174,22 @@ class FallSearch {
   /// Flashes between the two images of the seed.
   void fill_between(std::vector<Fall::Place>& places) const {
     const Fall::Place low = places.back(), high = places[places.size() - 2];
+    const double velocity = velocity_at(low, high), acceleration = acceleration_pxps2(low, high);
     places.pop_back();
-    for (int flash = high.flash + 1; flash < low.flash; ++flash)
-      places.push_back(
-          {flash, height_at(low, velocity_at(low, high), time_s(flash) - time_s(low.flash)), -1});
+    for (int flash = high.flash + 1; flash < low.flash; ++flash) {
+      const double dt = time_s(flash) - time_s(low.flash);
+      places.push_back({flash, low.height_px + velocity * dt - 0.5 * acceleration * dt * dt, -1});
+    }
     places.push_back(low);
   }
 
   void finish(Fall fall) {
-    geometry::LegFit fit(Eigen::Vector2d(0.0, -context_.gravity_pxps2));
-    for (const Fall::Place& p : fall.places)
-      if (p.image >= 0) fit.add(time_s(p.flash), {0.0, p.height_px});
+    const auto first = std::ranges::find_if(fall.places, [](const Fall::Place& p) { return p.image >= 0; });
     const auto lowest = std::ranges::find_if(fall.places.rbegin(), fall.places.rend(),
                                              [](const Fall::Place& p) { return p.image >= 0; });
+    geometry::LegFit fit(Eigen::Vector2d(0.0, -acceleration_pxps2(*first, *lowest)));
+    for (const Fall::Place& p : fall.places)
+      if (p.image >= 0) fit.add(time_s(p.flash), {0.0, p.height_px});
     const double nearest_s = time_s(lowest->flash);
     const auto touch = geometry::crossing(fit, 0.5 * context_.diameter_px, nearest_s);
     if (!touch || !(touch->velocity.y() < 0.0)) return;
@@ -192,6 +205,7 @@ class FallSearch {
   std::span<const DropImage> images_;
   const PathContext& context_;
   std::vector<double> times_s_;
+  double drag_per_px_;
   double highest_px_ = 0.0;
   double information_ = 1.0;
   std::set<std::pair<std::uint64_t, int>> known_;  ///< images and the first one's flash
@@ -210,6 +224,7 @@ struct Pair {
   const Fall* up = nullptr;
   double score = 0.0;
 
+  bool bounces() const { return down != nullptr && up != nullptr; }
   bool same_numbers(const Pair& other) const { return same(down, other.down) && same(up, other.up); }
 
  private:
@@ -220,7 +235,8 @@ struct Pair {
 };
 
 /// `information` is an image's; images that both flights claim are explained once.
-std::vector<Pair> pairs_of(const std::vector<Fall>& downs, const std::vector<Fall>& ups, double information) {
+std::vector<Pair> pairs_of(const std::vector<Fall>& downs, const std::vector<Fall>& ups, double information,
+                           const matching::DwellLimits& dwell) {
   std::vector<Pair> pairs;
   for (const Fall& up : ups) pairs.push_back({nullptr, &up, up.score});
   std::vector<const Fall*> by_lift;
@@ -228,8 +244,8 @@ std::vector<Pair> pairs_of(const std::vector<Fall>& downs, const std::vector<Fal
   std::ranges::sort(by_lift, {}, [](const Fall* up) { return -up->touch_s; });
   for (const Fall& down : downs) {
     pairs.push_back({&down, nullptr, down.score});
-    const double earliest = down.touch_s + matching::kShortestDwell_s - kDwellSlack_s;
-    const double latest = down.touch_s + matching::kLongestDwell_s + kDwellSlack_s;
+    const double earliest = down.touch_s + dwell.least_s - kDwellSlack_s;
+    const double latest = down.touch_s + dwell.most_s + kDwellSlack_s;
     auto up = std::ranges::lower_bound(by_lift, earliest, {}, [](const Fall* f) { return -f->touch_s; });
     for (; up != by_lift.end() && -(*up)->touch_s <= latest; ++up) {
       const double restitution = (*up)->speed_pxps / down.speed_pxps;
@@ -291,10 +307,12 @@ std::optional<StraightDrop> split_drop(std::span<const DropImage> images, const 
   if (images.size() < 4 || images.size() > kMaxImages || context.flash_times_s.size() < 4)
     return std::nullopt;
   const std::vector<double> times(context.flash_times_s.begin(), context.flash_times_s.end());
-  const std::vector<Fall> downs = FallSearch(images, context, times).run();
-  const std::vector<Fall> ups = FallSearch(images, context, reversed(times)).run();
-  const auto best = likeliest(pairs_of(downs, ups, information(images, context)));
-  if (!best || best->down == nullptr || best->up == nullptr) return std::nullopt;
+  const std::vector<Fall> downs = FallSearch(images, context, times, 1.0).run();
+  const std::vector<Fall> ups = FallSearch(images, context, reversed(times), -1.0).run();
+  const std::vector<Pair> pairs = pairs_of(downs, ups, information(images, context),
+                                           matching::DwellLimits::of_diameter(context.ball_diameter_m));
+  const auto best = likeliest(pairs);
+  if (!best || !best->bounces()) return std::nullopt;
   StraightDrop drop = drop_of(*best, static_cast<int>(times.size()), context.diameter_px);
   if (drop.down.image.size() < 2 || drop.up.image.size() < 2) return std::nullopt;
   for (const DropImage& image : images) {

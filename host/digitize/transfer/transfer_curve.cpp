@@ -180,7 +180,9 @@ std::vector<double> log_powers(const Photograph& photograph, std::span<const Bal
 bool TransferCurve::is_proportional() const {
   // Four sd of a median of a dozen: no false alarm in a thousand photographs. 0.85 widens no ball by more
   // than the sd of its diameter, and no screen or camera writes an exponent between it and 1.
-  constexpr double kCertain_sd = 4.0, kMatters = 0.15;
+  // Felt's grain and print scatter single crossings by a fifth.
+  constexpr double kCertain_sd = 4.0, kMatters = 0.15, kOfMarks = 0.6;
+  if (scatter > kOfMarks) return true;
   return std::abs(exponent - 1.0) < std::max(kCertain_sd * sd, kMatters);
 }
 
@@ -194,10 +196,11 @@ std::optional<TransferCurve> measure_transfer(const Photograph& photograph, cons
   std::vector<double> off;
   for (const double power : powers) off.push_back(std::abs(power - middle));
   // Of a normal distribution: 1.48 median deviations are an sd, and a median's is 1.25 of a mean's.
-  const double noise = 1.25 * 1.48 * upper_median(off) / std::sqrt(static_cast<double>(powers.size()));
+  const double scatter = 1.48 * upper_median(off);
+  const double noise = 1.25 * scatter / std::sqrt(static_cast<double>(powers.size()));
   const double sd = std::hypot(noise, by_bend(discs));
   const double exponent = std::exp(-middle);
-  return TransferCurve{exponent, exponent * sd, static_cast<int>(powers.size())};
+  return TransferCurve{exponent, exponent * sd, static_cast<int>(powers.size()), scatter};
 }
 
 Photograph linearized(const Photograph& photograph, const TransferCurve& curve) {

@@ -19,9 +19,11 @@ struct TransferCurve {
   double exponent = 1.0;  ///< 1: proportional; 0.45: as on a screen
   double sd = 0.0;        ///< from the crossings' scatter
   int crossings = 0;
+  double scatter = 0.0;  ///< sd of single crossings' exponents, over the exponent
 
   /// Proportional within what the crossings tell, and within what matters: an exponent of 0.85 widens a ball
-  /// by about its diameter's usual sd.
+  /// by about its diameter's usual sd. A wide scatter is that of a ball's holes or panels, and tells of no
+  /// curve.
   bool is_proportional() const;
 };
 
