@@ -9,6 +9,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "common/reduction/uncertainty.hpp"
+#include "common/statistics/distributions.hpp"
 #include "host/report/sections.hpp"
 
 namespace strobe::report {
@@ -48,9 +50,10 @@ std::string range_of(const Limit& limit) {
 
 Row limit_row(const ConditionGroup& group, const Limit& limit, DecisionRule rule) {
   const host::QuantitySummary& s = group.of(limit.quantity);
-  const auto verdict = s.n == 0               ? std::string_view("not decided: no result")
-                       : !group.mixed.empty() ? std::string_view("not decided: a mean over what differs")
-                                              : name(judge(s.mean, s.expanded_uncertainty, limit, rule));
+  const auto verdict = s.n == 0 ? std::string_view("not decided: no result")
+                       : !group.mixed.empty()
+                           ? std::string_view("not decided: a mean over what differs")
+                           : name(judge(s.mean, s.expanded_uncertainty, limit, rule, s.degrees_of_freedom));
   const host::QuantityLabel& label = label_of(limit.quantity);
   return {
       {group.label, label.words, range_of(limit), label.unit, expanded_cell(s), count_cell(s.n), verdict}};
@@ -71,7 +74,8 @@ Table limits_table(const Content& content) {
 
 Row pace_row(const ConditionGroup& group, DecisionRule rule) {
   const auto& s = group.court_pace->quantities[static_cast<std::size_t>(Quantity::court_pace)];
-  const PaceCategory* category = s.n == 0 ? nullptr : pace_category(s.mean, s.expanded_uncertainty, rule);
+  const PaceCategory* category =
+      s.n == 0 ? nullptr : pace_category(s.mean, s.expanded_uncertainty, rule, s.degrees_of_freedom);
   return {{group.label, count_cell(s.n), expanded_cell(s), category ? category->name : "not decided"}};
 }
 
@@ -121,10 +125,12 @@ std::string_view sentence(DecisionRule rule) {
            "within the limits, and else does not. A result at a limit is wrongly accepted or rejected with a "
            "probability of 50 "
            "%.";
-  return "Guard bands (ILAC-G8:09/2019, 4.2.3; guard band w = U, the expanded uncertainty at 95 %): the "
-         "result conforms where it lies within the limits by U or more, does not conform where it lies "
-         "beyond one by more than U, and else is not decided. Of a limit, a wrong acceptance or rejection "
-         "has a probability of at most 2.5 "
+  return "Guard bands (JCGM 106:2012, 8.3; ILAC-G8:09/2019, 4.2.3): the result conforms where it lies within "
+         "the "
+         "limits with a probability of 97.5 % or more, does not conform where it lies beyond them and that "
+         "probability is 2.5 % or less, and else is not decided. Of one limit the guard band is as wide as "
+         "U, the "
+         "expanded uncertainty at 95 %. A wrong acceptance or rejection has a probability of at most 2.5 "
          "%.";
 }
 
@@ -134,21 +140,26 @@ std::string_view name(Conformity conformity) {
 }
 
 Conformity judge(double value, std::optional<double> expanded_uncertainty, const Limit& limit,
-                 DecisionRule rule) {
+                 DecisionRule rule, std::optional<double> degrees_of_freedom) {
   assert(limit.low <= limit.high);
   if (!std::isfinite(value) || !expanded_uncertainty || !std::isfinite(*expanded_uncertainty))
     return Conformity::undecided;
-  const double guard = rule == DecisionRule::guarded ? *expanded_uncertainty : 0.0;
-  if (value - guard >= limit.low && value + guard <= limit.high) return Conformity::conforms;
-  if (value + guard < limit.low || value - guard > limit.high) return Conformity::does_not_conform;
-  return Conformity::undecided;
+  protocol::Measured measured{value};
+  measured.degrees_of_freedom = degrees_of_freedom.value_or(measured.degrees_of_freedom);
+  measured.sd = *expanded_uncertainty /
+                statistics::student_t_half_width(reduction::kExpandedLevel, measured.degrees_of_freedom);
+  const protocol::Decided decided =
+      protocol::decide(measured, {limit.low, limit.high}, rule, kConformityRisk);
+  if (decided.decision == protocol::Decision::pass) return Conformity::conforms;
+  return decided.decision == protocol::Decision::fail ? Conformity::does_not_conform : Conformity::undecided;
 }
 
 const PaceCategory* pace_category(double rating, std::optional<double> expanded_uncertainty,
-                                  DecisionRule rule) {
+                                  DecisionRule rule, std::optional<double> degrees_of_freedom) {
   for (const PaceCategory& category : kPaceCategories) {
     const Limit limit{Quantity::court_pace, category.low, category.high};
-    if (judge(rating, expanded_uncertainty, limit, rule) == Conformity::conforms) return &category;
+    if (judge(rating, expanded_uncertainty, limit, rule, degrees_of_freedom) == Conformity::conforms)
+      return &category;
   }
   return nullptr;
 }

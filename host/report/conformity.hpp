@@ -9,6 +9,7 @@
 
 #include "common/reduction/readout.hpp"
 #include "common/result.hpp"
+#include "host/protocol/decision.hpp"
 
 namespace strobe::report {
 
@@ -23,10 +24,11 @@ struct Limit {
 /// be left out.
 Result<Limit> parse_limit(std::string_view text);
 
-enum class DecisionRule {
-  guarded,  ///< guard bands as wide as the expanded uncertainty, on both sides of each limit
-  simple,   ///< simple acceptance: the limits themselves
-};
+using protocol::DecisionRule;
+
+/// Of rule guarded: with it, a single limit has a guard band as wide as the expanded uncertainty at 95 %.
+inline constexpr double kConformityRisk = 0.025;
+
 /// A sentence for a report.
 std::string_view sentence(DecisionRule rule);
 
@@ -34,9 +36,10 @@ enum class Conformity { conforms, does_not_conform, undecided };
 /// "conforms", "does not conform", "not decided".
 std::string_view name(Conformity conformity);
 
-/// Without an expanded uncertainty nothing is decided.
+/// As protocol::decide(), of an expanded uncertainty at 95 % with these degrees of freedom (absent:
+/// infinitely many). Without an expanded uncertainty nothing is decided.
 Conformity judge(double value, std::optional<double> expanded_uncertainty, const Limit& limit,
-                 DecisionRule rule);
+                 DecisionRule rule, std::optional<double> degrees_of_freedom = {});
 
 /// Categories of court pace: "slow" to "fast", by the rating rounded to a whole number.
 struct PaceCategory {
@@ -45,6 +48,6 @@ struct PaceCategory {
 };
 /// The category that the rating and its uncertainty decide for. Returns nullptr if they decide for none.
 const PaceCategory* pace_category(double rating, std::optional<double> expanded_uncertainty,
-                                  DecisionRule rule);
+                                  DecisionRule rule, std::optional<double> degrees_of_freedom = {});
 
 }  // namespace strobe::report

@@ -140,6 +140,8 @@ Report build_report(const ReportInput& input) {
   report.issued = content.stated("issued");
   if (report.issued.empty()) report.issued = content.last_day;
   report.sections.push_back(identification(content, report.issued));
+  if (Section tested = test_by_protocol(content); !tested.blocks.empty())
+    report.sections.push_back(std::move(tested));
   report.sections.push_back(conformity(content));
   report.sections.push_back(results(content));
   report.sections.push_back(method(content));

@@ -16,6 +16,8 @@ namespace strobe::report {
 Section identification(const Content& content, const std::string& issued);
 /// Against limits and the court pace test.
 Section conformity(const Content& content);
+/// Of a session that was fired for a protocol: verdict, numbers, shots; else a section without blocks.
+Section test_by_protocol(const Content& content);
 /// Means with expanded uncertainties, by the thesis's tables.
 Section results(const Content& content);
 /// How it was measured, what the uncertainty means, deviations.

@@ -42,7 +42,7 @@ Facts rig_facts(const StoredSession& session, const std::string& key) {
   const auto& ball = session.rig.ball;
   const auto& analysis = session.rig.analysis;
   const auto& plan = session.rig.plan;
-  return {
+  Facts facts{
       "rig" + key,
       "Rig and ball",
       {fact("rig", "Rig", session.rig.rig), fact("folder", "Session's folder", folder_name(session)),
@@ -55,6 +55,8 @@ Facts rig_facts(const StoredSession& session, const std::string& key) {
        fact("flash_period", "Shortest interval of flashes in the rig's plan",
             fmt::format("{:.3f} ms", 1e-6 * static_cast<double>(plan.even.period.count()))),
        fact("spacing", "Intervals of flashes", plan.spacing == host::Spacing::coded ? "coded" : "even")}};
+  if (ball.kind) facts.facts.insert(facts.facts.begin() + 2, fact("ball_kind", "Ball", ball.kind->title));
+  return facts;
 }
 
 std::string age(const CameraTable& camera, const std::string& day) {
@@ -244,6 +246,7 @@ Table files_of(const StoredSession& session, const std::string& key) {
   add_text(table, session.plan_text, "plan", "plan.toml");
   add_text(table, session.rig.calibration_text, "calibration",
            session.rig.camera.calibration.value_or("camera.toml"));
+  add_text(table, session.rig.ball_text, "ball", host::kept_ball_file(session.rig.ball));
   std::error_code error;
   if (const fs::path record = session.folder / commission::kRecordInSession; fs::exists(record, error))
     add_file(table, session.folder, record, "record of commissioning");
