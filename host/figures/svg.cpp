@@ -270,8 +270,8 @@ std::string csv_text(const Figure& figure) {
   return out;
 }
 
-Result<void> write_figure(const Figure& figure, const std::filesystem::path& folder,
-                          const std::string& stem) {
+Result<void> write_figure(const Figure& figure, const std::filesystem::path& folder, const std::string& stem,
+                          const std::vector<std::string>& x_names) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(folder.string() + ": cannot be made: " + error.message());
@@ -282,7 +282,7 @@ Result<void> write_figure(const Figure& figure, const std::filesystem::path& fol
                            text(12, 18, "start", 13, title, " font-weight=\"bold\"") +
                            text(12, 34, "start", 10, figure.caption, " fill=\"#555555\"");
   if (auto written = config::write_file(folder / (stem + ".csv"), csv_text(figure)); !written) return written;
-  const Chart chart = make_chart(stem, figure);
+  const Chart chart = make_chart(stem, figure, x_names);
   return config::write_file(folder / (stem + ".svg"),
                             drawing(chart, chart.panels, legend_entries(chart.panels), kHead, head));
 }

@@ -20,7 +20,9 @@ std::vector<std::string> svg_rows(const Chart& chart);
 std::string csv_text(const Figure& figure);
 
 /// `stem`.csv and, as a drawing that stands alone with title and caption, `stem`.svg in `folder`, which is
-/// made if it is missing. Fails with the name of a file or folder that cannot be made or written.
-Result<void> write_figure(const Figure& figure, const std::filesystem::path& folder, const std::string& stem);
+/// made if it is missing. x_names: as of make_chart(). Fails with the name of a file or folder that cannot be
+/// made or written.
+Result<void> write_figure(const Figure& figure, const std::filesystem::path& folder, const std::string& stem,
+                          const std::vector<std::string>& x_names = {});
 
 }  // namespace strobe::figures
