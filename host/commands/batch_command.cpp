@@ -206,7 +206,7 @@ Result<std::string> id_of(const BatchSettings& settings) {
     rig = std::move(*loaded);
   }
   if (auto tried = calibrated(rig, settings); !tried) return tl::unexpected(tried.error());
-  return batch_id(settings, rig.text + rig.calibration_text);
+  return batch_id(settings, rig.text + rig.calibration_text + rig.ball_text);
 }
 
 Result<int> run(const BatchOptions& options) {

@@ -19,6 +19,7 @@ struct BouncesOptions {
   std::string data;
   std::string figure;
   bool json = false;
+  bool summary = false;
 };
 
 constexpr const char* kLegend =
@@ -49,13 +50,19 @@ int run_bounces(const BouncesOptions& options) {
   if (!all) return bad_input("bounces: " + all.error().message);
   if (!options.set.empty() && all->set(options.set) == nullptr)
     return bad_input("bounces: no set " + options.set + "; there are " + names_of(*all));
-  if (!options.json) std::fputs(kLegend, stdout);
+  if (options.summary)
+    std::fputs(bounces::summary_head().c_str(), stdout);
+  else if (!options.json)
+    std::fputs(kLegend, stdout);
   std::vector<bounces::Row> drawn;
   for (const published::Set& set : all->sets) {
     if (!options.set.empty() && set.name != options.set) continue;
     const auto rows = bounces::rows_of(*all, set);
     if (!rows) return bad_input("bounces: " + rows.error().message);
-    if (!options.json) std::printf("\n%s", bounces::text(set, *rows).c_str());
+    if (options.summary)
+      std::fputs(bounces::summary(set, *rows).c_str(), stdout);
+    else if (!options.json)
+      std::printf("\n%s", bounces::text(set, *rows).c_str());
     for (const bounces::Row& row : *rows)
       if (options.json) std::printf("%s\n", bounces::json(set, row).c_str());
     drawn.insert(drawn.end(), rows->begin(), rows->end());
@@ -73,7 +80,11 @@ void add_bounces_command(CLI::App& app, int& exit_status) {
   command->add_option("--data", options->data, "Folder of data sets (default: the shipped ones)");
   command->add_option("--figure", options->figure,
                       "Draw predicted against measured spin into this folder: figure_01.svg and .csv");
-  command->add_flag("--json", options->json, "One JSON object a bounce");
+  CLI::Option* json = command->add_flag("--json", options->json, "One JSON object a bounce");
+  command
+      ->add_flag("--summary", options->summary,
+                 "A line for each set and model: coverage, residuals, validity")
+      ->excludes(json);
   command->footer(
       "Example: strobe bounces --set cross_2002_table_2\n"
       "Exit status: 1 if the figure cannot be drawn, 2 for bad usage or data.");

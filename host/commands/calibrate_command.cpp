@@ -326,8 +326,8 @@ int run_calibrate(const CalibrateOptions& options) {
 
 void add_calibrate_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<CalibrateOptions>();
-  CLI::App* command = app.add_subcommand(
-      "calibrate", "Measure the camera's scale, tilt and lens from photographs of a printed board.");
+  CLI::App* command =
+      app.add_subcommand("calibrate", "Measure scale, tilt and lens from photographs of a board");
   command
       ->add_option(
           "images", options->images,

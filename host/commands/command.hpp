@@ -32,7 +32,9 @@ void add_predict_command(CLI::App& app, int& exit_status);
 void add_digitize_command(CLI::App& app, int& exit_status);
 void add_fit_command(CLI::App& app, int& exit_status);
 void add_thesis_command(CLI::App& app, int& exit_status);
+void add_ball_command(CLI::App& app, int& exit_status);
 void add_bounces_command(CLI::App& app, int& exit_status);
+void add_protocol_command(CLI::App& app, int& exit_status);
 void add_report_command(CLI::App& app, int& exit_status);
 void add_camera_command(CLI::App& app, int& exit_status);
 void add_calibrate_command(CLI::App& app, int& exit_status);
@@ -40,6 +42,8 @@ void add_commission_command(CLI::App& app, int& exit_status);
 void add_design_command(CLI::App& app, int& exit_status);
 void add_batch_command(CLI::App& app, int& exit_status);
 void add_export_command(CLI::App& app, int& exit_status);
+void add_compare_command(CLI::App& app, int& exit_status);
+void add_bundle_command(CLI::App& app, int& exit_status);
 void add_key_command(CLI::App& app, int& exit_status);
 
 /// Who runs this program, for others who use the same rig and for the session's record: "login@machine", at

@@ -367,7 +367,8 @@ int run_commission(const CommissionRequest& request) {
       return bad_input(ended.error().message);
   auto folder = SessionFolder::open(
       request.session, utc_for_file(clock.read().wall), request.rig.text, plan_to_toml(request.rig.plan),
-      {request.rig.camera.calibration.value_or(""), request.rig.calibration_text});
+      {request.rig.camera.calibration.value_or(""), request.rig.calibration_text},
+      {kept_ball_file(request.rig.ball), request.rig.ball_text});
   if (!folder) return bad_input(folder.error().message);
   auto link = LcmLink::open(request.paths.url, request.rig.rig);
   if (!link) return failed(link.error().message);

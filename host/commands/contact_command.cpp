@@ -292,9 +292,8 @@ int run_contact(const ContactOptions& options) {
 
 void add_contact_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<ContactOptions>();
-  CLI::App* command = app.add_subcommand("contact",
-                                         "Analyse the images of a ball in contact with the surface: its "
-                                         "motion, forces, spin, grip or slip, and a damped spring's fit.");
+  CLI::App* command =
+      app.add_subcommand("contact", "Motion and forces of a ball in contact, from its images");
   command
       ->add_option(
           "SET", options->set,

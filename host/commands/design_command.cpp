@@ -76,6 +76,9 @@ Result<DesignReport> report_of(const DesignInputs& inputs) {
   if (!prediction) return tl::unexpected(prediction.error());
   report.prediction = std::move(*prediction);
   report.train_remark = inputs.train_remark;
+  if (const ExpectedBall& ball = inputs.design.ball; ball.kind)
+    report.remarks = balls::beyond_ranges(*ball.kind, ball.speed_mps.mean,
+                                          -ball.speed_mps.mean * std::sin(ball.angle_rad.mean));
   if (inputs.search) {
     if (auto found = search(inputs, {report.quantities, inputs.most_images}, report); !found)
       return tl::unexpected(found.error());
@@ -116,8 +119,8 @@ int run_design(const DesignOptions& options) {
 
 void add_design_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<DesignOptions>();
-  CLI::App* command = app.add_subcommand(
-      "design", "Before the shot: the uncertainty that a set-up, a plan and a number of balls will give");
+  CLI::App* command =
+      app.add_subcommand("design", "Before the shot: the uncertainty that a set-up will give");
   add_design_options(*command, *options);
   command->footer(
       "Example: strobe design --rig rig.toml --speed 17 --angle 23 --e 0.86 --e-sd 0.02 --want e:0.005\n"

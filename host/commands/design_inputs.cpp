@@ -132,6 +132,12 @@ Result<ExpectedBall> expected_ball(const DesignOptions& options, const RigFile& 
   ExpectedBall ball;
   ball.ball = {rig.ball.diameter_m, rig.ball.mass_kg.value_or(ball::kThesisMass_kg),
                rig.ball.alpha.value_or(ball::kMeasuredAlpha)};
+  ball.kind = rig.ball.kind;
+  if (ball.kind) {
+    ball.e.mean = ball.kind->contact.e;
+    ball.mu.mean = ball.kind->contact.mu;
+    ball.dwell_s.mean = ball.kind->contact.dwell_s;
+  }
   if (const auto t = note_number(rig.record, "temperature_c"))
     ball.air_density_kgpm3 = flight::air_density_kgpm3(*t);
   if (!options.like.empty()) {
@@ -216,6 +222,7 @@ Result<DesignInputs> design_inputs(const DesignOptions& options) {
     return fail(fmt::format("the plan's {}: {}", problem->field, problem->what));
   SpacedPlan spaced =
       spaced_plan(*plan, inputs.rig, inputs.design.set_up.measured_by == MeasuredBy::digitizer);
+  if (!spaced.problem.empty()) return fail("the plan's " + spaced.problem);
   inputs.design.plan = std::move(spaced.plan);
   inputs.train_remark = std::move(spaced.remark);
   inputs.design.shots = options.shots;

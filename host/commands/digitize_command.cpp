@@ -31,7 +31,8 @@ using digitize::Photograph;
 
 struct DigitizeOptions {
   std::vector<std::string> images;
-  std::string rig;  ///< empty: none
+  std::string rig;   ///< empty: none
+  std::string ball;  ///< likewise
   std::optional<double> px_per_m;
   std::optional<double> px_per_m_sd;
   std::optional<double> ball_diameter_m;
@@ -72,9 +73,10 @@ void add_scale(CLI::App& command, DigitizeOptions& options) {
           "standard deviation of a calibrated scale: speeds are then computed from the scale, not from "
           "the ball's diameter")
       ->check(CLI::Range(0.0, 1e6));
+  command.add_option("--ball", options.ball, "kind of ball (default: the rig file's)");
   command
       .add_option("--ball-diameter-m", options.ball_diameter_m,
-                  "diameter of the ball (default: the rig file's, else 0.0651)")
+                  "its diameter (default: the rig file's, else 0.0651)")
       ->check(CLI::Range(0.01, 1.0));
   command.add_option("--ball-diameter-sd-m", options.ball_diameter_sd_m, "its standard deviation")
       ->check(CLI::Range(0.0, 0.1));
@@ -147,13 +149,19 @@ struct Given {
   std::vector<digitize::Correction> corrections;
 };
 
-void overrule(RigFile& rig, const DigitizeOptions& options) {
+Result<void> overrule(RigFile& rig, const DigitizeOptions& options) {
+  if (!options.ball.empty()) {
+    const auto kind = balls::load_ball_kind(options.ball);
+    if (!kind) return fail("--ball: " + kind.error().message);
+    rig.ball = host::settings_of(*kind);
+  }
   if (options.px_per_m) {
     rig.camera.px_per_m = options.px_per_m;
     rig.camera.px_per_m_sd = options.px_per_m_sd;
   }
   if (options.ball_diameter_m) rig.ball.diameter_m = *options.ball_diameter_m;
   if (options.ball_diameter_sd_m) rig.ball.diameter_sd_m = *options.ball_diameter_sd_m;
+  return {};
 }
 
 Result<void> read_times(const DigitizeOptions& options, Given& given) {
@@ -189,7 +197,7 @@ Result<Given> read_given(const DigitizeOptions& options) {
     if (const auto warning = calibration_warning(given.rig.camera, std::chrono::system_clock::now()))
       fmt::print(stderr, "strobe: digitize: {}: {}\n", options.rig, *warning);
   }
-  overrule(given.rig, options);
+  if (auto done = overrule(given.rig, options); !done) return tl::unexpected(done.error());
   if (auto read = read_times(options, given); !read) return tl::unexpected(read.error());
   if (!options.edit_file.empty()) {
     const auto text = read_option_file("--edit", options.edit_file);
@@ -223,7 +231,8 @@ class Digitizer {
     auto settings = digitize_settings(given_.rig, photograph.width(), photograph.height());
     if (!settings)
       return fail((given_.has_rig ? options_.rig : photograph.name) + ": " + settings.error().message);
-    if (!given_.has_rig && !options_.ball_diameter_sd_m) settings->ball_diameter_sd_m.reset();
+    if (!given_.has_rig && options_.ball.empty() && !options_.ball_diameter_sd_m)
+      settings->ball_diameter_sd_m.reset();
     if (options_.size_tolerance_percent) settings->size_tolerance = *options_.size_tolerance_percent / 100.0;
     if (options_.direction != "auto") settings->leftwards = options_.direction == "left";
     settings->bounce = options_.bounce;

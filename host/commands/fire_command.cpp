@@ -19,9 +19,11 @@
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/fire_run.hpp"
+#include "host/commands/protocol_run.hpp"
 #include "host/config/notes.hpp"
 #include "host/design/promise.hpp"
 #include "host/messages/command_factory.hpp"
+#include "host/protocol/session_protocol.hpp"
 #include "host/series/select.hpp"
 #include "host/session/former_runs.hpp"
 #include "host/session/run_lock.hpp"
@@ -104,7 +106,9 @@ Result<FireOptions> resumed(const FireOptions& given) {
   const RunRecord& last = *found;
   FireOptions options = given;
   options.shots.reset();
-  options.until = last.session_shots;
+  if (last.protocol.empty()) options.until = last.session_shots;
+  options.protocol = last.protocol;
+  options.protocol_seed = last.protocol_seed;
   options.plan_path = (folder / last.plan_file).string();
   options.spacing = last.spacing;
   options.until_known = comma_separated(last.until_known);
@@ -128,6 +132,10 @@ Result<void> set_plan(const FireOptions& options, FireRequest& request) {
     plan = std::move(*read);
     request.plan_text = *text;
   }
+  if (options.drop_height_m > 0.0 && plan.drop_height_m == 0.0) {
+    plan.drop_height_m = options.drop_height_m;
+    plan.period_stated = !options.plan_path.empty() && plan.period_stated;
+  }
   if (!options.spacing.empty()) {
     if (plan.coded())
       return fail(
@@ -139,6 +147,9 @@ Result<void> set_plan(const FireOptions& options, FireRequest& request) {
                          request.rig.camera.connection.kind != CameraKind::folder ||
                          options.spacing == "coded";
   SpacedPlan spaced = spaced_plan(plan, request.rig, digitized);
+  if (!spaced.problem.empty())
+    return fail((options.plan_path.empty() ? "the rig file's plan." : options.plan_path + ": ") +
+                spaced.problem);
   if (options.plan_path.empty()) request.plan_text = plan_to_toml(spaced.plan);
   request.series.plan = spaced.plan.shot();
   request.series.plan.dry = options.dry;
@@ -168,6 +179,8 @@ RunRecord record_of(const FireOptions& options, const FireRequest& request) {
   run.key_fingerprint = request.key.fingerprint();
   run.command = typed_command_line();
   run.until_known = wanted_text(request.wanted);
+  run.protocol = options.protocol;
+  run.protocol_seed = options.protocol_seed;
   return run;
 }
 
@@ -240,12 +253,24 @@ Result<FireRequest> request_of(const FireOptions& options) {
   if (!lock) return tl::unexpected(lock.error());
   request.lock.emplace(std::move(*lock));
   if (auto kept = keep_design(options.design_path, session); !kept) return tl::unexpected(kept.error());
+  if (!options.protocol.empty()) {
+    const auto kept = config::write_file(fs::path(session) / protocol::kProtocolFile, options.protocol_text);
+    if (!kept) return tl::unexpected(kept.error());
+  }
   if (auto set = set_wanted(options, request); !set) return tl::unexpected(set.error());
   if (auto set = set_shots(options, request); !set) return tl::unexpected(set.error());
   request.run = record_of(options, request);
   if (options.angle_deg) request.condition = thesis::shipped_condition(options.spin, *options.angle_deg);
   request.style = Terminal::style(options.json, options.plain);
   return request;
+}
+
+/// One series.
+int fire(const FireOptions& options, const HostReading& asked) {
+  auto request = request_of(options);  // which holds the session until it ends
+  if (!request) return bad_input(request.error().message);
+  request->asked = asked;
+  return run_fire(*request);
 }
 
 int run(const FireOptions& given) {
@@ -258,18 +283,14 @@ int run(const FireOptions& given) {
     return bad_input(wanted.error().message);
   const auto options = given.resume ? resumed(given) : Result<FireOptions>(given);
   if (!options) return bad_input(options.error().message);
-  auto request = request_of(*options);  // which holds the session until it ends
-  if (!request) return bad_input(request.error().message);
-  request->asked = asked;
-  return run_fire(*request);
+  return options->protocol.empty() ? fire(*options, asked) : run_protocol(*options, asked, fire);
 }
 
 }  // namespace
 
 void add_fire_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<FireOptions>();
-  CLI::App* command =
-      app.add_subcommand("fire", "Fire shots and show the rebound of each; rejected shots are fired again");
+  CLI::App* command = app.add_subcommand("fire", "Fire shots, show each rebound; by a test protocol, too");
   CLI::Option* const shots =
       command->add_option("--shots", options->shots, "shots that must count (default 1)")
           ->check(CLI::Range(1, 100000));
@@ -284,6 +305,13 @@ void add_fire_command(CLI::App& app, int& exit_status) {
                    "width); at most --shots or --until (default: at most 100)")
       ->delimiter(',')
       ->allow_extra_args(false);
+  CLI::Option* const protocol =
+      command->add_option("--protocol", options->protocol,
+                          "fire what this test protocol asks for: a name (strobe protocol list) or a file");
+  command->add_option("--seed", options->protocol_seed, "of a protocol's drawn order of balls")
+      ->check(CLI::Range(0, 2147483647));
+  command->add_flag("--no-pause", options->no_pause,
+                    "do not wait for a person between a protocol's balls and positions: nobody changes them");
   CLI::Option* const resume =
       command->add_flag("--resume", options->resume,
                         "go on with what the session's last run was asked for: shots, plan, labels, notes");
@@ -324,8 +352,11 @@ void add_fire_command(CLI::App& app, int& exit_status) {
   for (const char* const asked :
        {"--shots", "--until", "--until-known", "--spin", "--angle", "--note", "--plan", "--spacing", "--dry"})
     resume->excludes(command->get_option(asked));
-  command_line::for_experts(*command, {"--design", "--spacing", "--effort", "--lcm-url", "--key-file",
-                                       "--wait", "--clear-fault", "--all", "--sessions"});
+  for (const char* const asked : {"--shots", "--until", "--until-known", "--retries", "--dry"})
+    protocol->excludes(command->get_option(asked));
+  command_line::for_experts(
+      *command, {"--seed", "--no-pause", "--retries", "--design", "--spacing", "--effort", "--lcm-url",
+                 "--key-file", "--wait", "--clear-fault", "--all", "--sessions"});
   command->footer(
       "Ctrl-C finishes the shot under way and ends; a second one aborts it. Ctrl-\\ aborts it at once.\n"
       "Example: strobe fire --rig rig.toml --session run1 --shots 9 --spin zero --angle 23 --note "

@@ -62,8 +62,8 @@ class FireRun final : private HostListener {
                 request.series, folder, link, clock),
         loop_(stored_.loop()),
         runner_(stored_.runner()),
-        terminal_(request.style,
-                  fmt::format("strobe fire   rig {}   session {}", request.rig.rig, request.options.session)),
+        terminal_(request.style, fmt::format("strobe fire   rig {}   session {}   {}", request.rig.rig,
+                                             request.options.session, request.options.heading)),
         shot_text_(folder, clock, [this](std::int64_t host) { return shown(host); }),
         drift_watch_(loop_, [this](std::int64_t host) { return shown(host); }) {
     loop_.person_acted(request.asked);
@@ -99,6 +99,7 @@ class FireRun final : private HostListener {
                      request_.options.paths.url));
     if (!request_.rig_remark.empty()) tell(request_.rig_remark);
     if (!commissioned_.empty()) tell(commissioned_);
+    if (!request_.options.heading.empty()) loop_.notify(request_.options.heading);
     if (runner_.taking_in())
       tell("looking for shots that earlier runs in this session left without a result");
     if (!request_.train_remark.empty()) loop_.notify(request_.train_remark);
@@ -287,7 +288,7 @@ class FireRun final : private HostListener {
       return kDone;
     }
     const std::string how_on =
-        series.succeeded() || dry || !recorded_ || never_known_
+        series.succeeded() || !request_.options.protocol.empty() || dry || !recorded_ || never_known_
             ? ""
             : fmt::format("; go on with: strobe fire --resume --session {}", request_.options.session);
     return failed(summary + (problem.empty() ? "" : ": " + problem) + how_on);
@@ -354,7 +355,8 @@ int run_fire(const FireRequest& request) {
   MachineClock clock;
   auto folder = SessionFolder::open(
       request.options.session, utc_for_file(clock.read().wall), request.rig.text, request.plan_text,
-      {request.rig.camera.calibration.value_or(""), request.rig.calibration_text});
+      {request.rig.camera.calibration.value_or(""), request.rig.calibration_text},
+      {kept_ball_file(request.rig.ball), request.rig.ball_text});
   if (!folder) return bad_input(folder.error().message);
   const auto commissioned =
       keep_commission_record(request.run.rig_file, request.rig, request.options.session, clock.read().wall);

@@ -26,6 +26,12 @@ struct FireOptions {
   RigOptions paths;
   std::string session, plan_path, design_path, spacing, spin;
   std::vector<std::string> notes, until_known;
+  std::string protocol;        ///< a name or a file; empty: none
+  std::string protocol_text;   ///< its file's, which the session keeps
+  int protocol_seed = 0;       ///< of the order of balls
+  double drop_height_m = 0.0;  ///< of a protocol's drops, for which the plan is then made; 0: throws
+  bool no_pause = false;       ///< between a protocol's blocks
+  std::string heading;         ///< of the screen, beside rig and session
   std::optional<double> angle_deg;
   std::optional<int> shots, until, retries;
   double wait_s = 60.0;

@@ -33,8 +33,7 @@ int run(const KeyOptions& options) {
 
 void add_key_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<KeyOptions>();
-  CLI::App* command = app.add_subcommand(
-      "key", "Tell which key commands are sealed with, by its fingerprint; or make a new one");
+  CLI::App* command = app.add_subcommand("key", "The lab's key: its fingerprint, or a new one");
   command->add_option("--rig", options->rig_path, "rig file (default: the example that comes with strobe)");
   command->add_option("--key-file", options->key_file,
                       "the lab's key (default: the rig file's, $STROBE_KEY_FILE, ~/.config/strobe/lab.key)");

@@ -10,8 +10,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/command_line/command_line.hpp"
+#include "common/data/ball_kind.hpp"
 #include "common/impact/closed_form/sine_pulse.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
 #include "common/messages/parsed_json.hpp"
@@ -37,7 +39,9 @@ struct PredictOptions {
   double dwell_time_ms = impact::ContactCoefficients{}.dwell_s * 1e3;
   impact::ContactCoefficients contact;
   impact::ContactOptions integration;
-  int samples = 0;  ///< of the contact's trajectory; 0: none
+  std::string ball;                  ///< a kind's name or file; empty: a tennis ball
+  std::vector<std::string> remarks;  ///< what of this impact is beyond what was measured of its kind
+  int samples = 0;                   ///< of the contact's trajectory; 0: none
   bool json = false;
 };
 
@@ -105,6 +109,7 @@ ordered_json inputs_of(const PredictOptions& o) {
                   {"mu", mu_of(o)},
                   {"alpha", alpha_of(o)},
                   {"diameter_m", o.diameter_m}};
+  if (!o.ball.empty()) in["ball"] = o.ball;
   if (o.model == "grip") {
     in["ex"] = o.e_x;
     in["offset_mm"] = o.offset_mm;
@@ -203,6 +208,7 @@ void print_json(const PredictOptions& o, const Prediction& p) {
   }
   if (p.contact) add_contact_json(out, *p.contact, o.samples);
   out["inputs"] = inputs_of(o);
+  if (!o.remarks.empty()) out["remarks"] = o.remarks;
   std::printf("%s\n", messages::json_text(out).c_str());
 }
 
@@ -327,6 +333,9 @@ void add_options(CLI::App& command, PredictOptions& o) {
   command.add_option("--vx", o.touchdown.vx_mps, "Speed along the surface, m/s")->required();
   command.add_option("--vy", o.touchdown.vy_mps, "Speed normal to the surface, m/s; negative towards it")
       ->required();
+  command.add_option("--ball", o.ball,
+                     "Kind of ball (strobe ball lists them): its size, mass, inertia, e, mu and dwell time, "
+                     "where they are not given");
   command.option_defaults()->always_capture_default();
   command.add_option("--omega", o.touchdown.omega_radps, "Spin, rad/s; backspin positive");
   command
@@ -349,9 +358,32 @@ void add_options(CLI::App& command, PredictOptions& o) {
   command.add_flag("--json", o.json, "One JSON object on stdout");
 }
 
-int run_predict(const CLI::App& command, const PredictOptions& o) {
+/// What the kind says of what was not given.
+Result<void> take_ball(const CLI::App& command, PredictOptions& o) {
+  const auto kind = balls::load_ball_kind(o.ball);
+  if (!kind) return fail("--ball: " + kind.error().message);
+  const auto absent = [&command](const char* name) { return command.count(name) == 0; };
+  if (absent("--diameter-m")) o.diameter_m = kind->diameter_m.value;
+  if (absent("--mass-kg")) o.mass_kg = kind->mass_kg.value;
+  if (!o.alpha) o.alpha = kind->alpha.value;
+  if (absent("--e")) o.e = kind->contact.e;
+  if (!o.mu) o.mu = kind->contact.mu;
+  if (absent("--dwell-time-ms")) o.dwell_time_ms = 1e3 * kind->contact.dwell_s;
+  o.remarks = balls::beyond_ranges(*kind, std::nullopt, std::abs(o.touchdown.vy_mps));
+  if (o.model == "grip" || o.model == "ode")
+    o.remarks.push_back(kind->name + ": what else the model needs was fitted to tennis balls");
+  return {};
+}
+
+int run_predict(const CLI::App& command, PredictOptions& o) {
   const std::string conflict = conflict_of(command, o.model);
   if (!conflict.empty()) return bad_input("predict: " + conflict);
+  if (!o.ball.empty()) {
+    if (const auto taken = take_ball(command, o); !taken)
+      return bad_input("predict: " + taken.error().message);
+    if (!o.json)
+      for (const std::string& remark : o.remarks) std::fprintf(stderr, "strobe: %s\n", remark.c_str());
+  }
   const auto prediction = predict(o);
   if (!prediction) return bad_input("predict: " + std::string(impact::message(prediction.error())));
   o.json ? print_json(o, *prediction) : print_table(o, *prediction);

@@ -40,6 +40,7 @@ int run_program(int argc, char** argv) {
   add_replay_command(app, exit_status);
   add_series_command(app, exit_status);
   add_report_command(app, exit_status);
+  add_protocol_command(app, exit_status);
   add_shot_command(app, exit_status);
   add_digitize_command(app, exit_status);
   add_reduce_command(app, exit_status);
@@ -47,6 +48,7 @@ int run_program(int argc, char** argv) {
   add_predict_command(app, exit_status);
   add_fit_command(app, exit_status);
   add_thesis_command(app, exit_status);
+  add_ball_command(app, exit_status);
   add_bounces_command(app, exit_status);
   add_design_command(app, exit_status);
   add_camera_command(app, exit_status);
@@ -54,6 +56,8 @@ int run_program(int argc, char** argv) {
   add_commission_command(app, exit_status);
   add_batch_command(app, exit_status);
   add_export_command(app, exit_status);
+  add_compare_command(app, exit_status);
+  add_bundle_command(app, exit_status);
   add_key_command(app, exit_status);
   demand_finite_numbers(app);
   try {

@@ -15,6 +15,7 @@
 
 #include "common/command_line/command_line.hpp"
 #include "common/config/files.hpp"
+#include "common/data/ball_kind.hpp"
 #include "common/messages/json_conversions.hpp"
 #include "common/messages/parsed_json.hpp"
 #include "common/reduction/legacy.hpp"
@@ -47,6 +48,7 @@ struct ReduceOptions {
   bool all = false;
   bool budget = false;
   std::optional<double> fastest_spin_radps;
+  std::string ball;  ///< empty: as frames say
 };
 
 reduction::ReduceOptions reduction_options(const std::string& flight, const std::string& noise) {
@@ -62,13 +64,14 @@ reduction::ReduceOptions reduction_options(const std::string& flight, const std:
 /// Prints what comes and remembers what did not.
 class Reducer {
  public:
-  explicit Reducer(const ReduceOptions& options)
+  Reducer(const ReduceOptions& options, std::optional<balls::Kind> ball)
       : json_(options.json),
         all_(options.all),
         budget_(options.budget),
         estimator_(*reduction::estimator_from_name(options.estimator)),
         options_(reduction_options(options.flight, options.noise)),
-        fastest_spin_radps_(options.fastest_spin_radps) {}
+        fastest_spin_radps_(options.fastest_spin_radps),
+        ball_(std::move(ball)) {}
 
   Result<void> frames(const std::string& file) {
     std::ifstream opened;
@@ -120,6 +123,12 @@ class Reducer {
 
   void reduce(reduction::Frame frame, const std::string& place) {
     if (!frame.fastest_spin_radps) frame.fastest_spin_radps = fastest_spin_radps_;
+    if (ball_) {
+      if (!frame.ball_mass_kg) frame.ball_mass_kg = ball_->mass_kg.value;
+      if (!frame.ball_alpha) frame.ball_alpha = ball_->alpha.value;
+      if (!frame.ball_alpha_sd) frame.ball_alpha_sd = ball_->alpha.sd;
+      if (!frame.air_law) frame.air_law = ball_->air;
+    }
     put(reduction::reduce(frame, estimator_, options_), place, &frame);
   }
 
@@ -232,6 +241,7 @@ class Reducer {
   reduction::Estimator estimator_;
   reduction::ReduceOptions options_;
   std::optional<double> fastest_spin_radps_;
+  std::optional<balls::Kind> ball_;
   Series series_;
   int reduced_ = 0, with_numbers_ = 0;
   int bad_ = 0;
@@ -250,7 +260,13 @@ int run_reduce(const ReduceOptions& options) {
     if (!std::filesystem::exists(file, error)) return bad_input(file + ": no such file");
     if (std::filesystem::is_directory(file, error)) return bad_input(file + ": is a folder");
   }
-  Reducer reducer(options);
+  std::optional<balls::Kind> ball;
+  if (!options.ball.empty()) {
+    auto read = balls::load_ball_kind(options.ball);
+    if (!read) return bad_input("reduce: --ball: " + read.error().message);
+    ball = *std::move(read);
+  }
+  Reducer reducer(options, std::move(ball));
   for (const std::string& file : options.files) {
     const auto read = options.format == "legacy" ? reducer.legacy(file) : reducer.frames(file);
     if (!read) return bad_input(read.error().message);
@@ -290,6 +306,10 @@ void add_reduce_command(CLI::App& app, int& exit_status) {
       ->add_option("--fastest-spin-radps", options->fastest_spin_radps,
                    "the fastest spin that the ball can have before the bounce, of frames that state none")
       ->check(CLI::Range(1.0, 1e6));
+  command->add_option(
+      "--ball", options->ball,
+      "kind of ball (strobe ball lists them), for mass, inertia, drag and lift of frames that "
+      "state none");
   command->add_flag(
       "--budget", options->budget,
       "what each number's uncertainty is made of: source, type (A or B), sensitivity, effect, share");

@@ -14,8 +14,10 @@
 #include "host/commands/command.hpp"
 #include "host/commands/shared_options.hpp"
 #include "host/commands/terminal.hpp"
+#include "host/protocol/session_protocol.hpp"
 #include "host/report/pdf.hpp"
 #include "host/report/report.hpp"
+#include "host/series/select.hpp"
 
 namespace strobe::host {
 
@@ -112,6 +114,20 @@ int write_report(const report::Report& made, const ReportOptions& options, const
   return kDone;
 }
 
+/// If the first session was fired for a protocol, what that says of all their shots.
+Result<void> judge_by_protocol(ReportInput& input) {
+  const auto asked = protocol::protocol_of_session(input.sessions.front().folder);
+  if (!asked) return tl::unexpected(asked.error());
+  if (!*asked) return {};
+  std::vector<Shot> shots;
+  for (const StoredSession& session : input.sessions)
+    for (Shot& shot :
+         series_shots(session, input.sessions.size() > 1 ? session.folder.filename().string() : ""))
+      shots.push_back(std::move(shot));
+  input.protocol = {(*asked)->protocol, protocol::evaluate((*asked)->protocol, (*asked)->seed, shots)};
+  return {};
+}
+
 int run_report(const ReportOptions& options) {
   auto input = stated_input(options);
   if (!input) return bad_input(input.error().message);
@@ -129,6 +145,7 @@ int run_report(const ReportOptions& options) {
     if (!session) return bad_input(session.error().message);
     input->sessions.push_back(*std::move(session));
   }
+  if (auto judged = judge_by_protocol(*input); !judged) return bad_input(judged.error().message);
   const auto thesis = options.thesis ? report::shipped_thesis() : std::nullopt;
   if (options.thesis && !thesis) return failed("report: --thesis: its tables are not installed");
   input->thesis = thesis ? &*thesis : nullptr;
@@ -165,8 +182,7 @@ void add_statements(CLI::App& command, ReportOptions& options) {
 
 void add_report_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<ReportOptions>();
-  CLI::App* command =
-      app.add_subcommand("report", "Write a session's report as one HTML file that a laboratory could sign");
+  CLI::App* command = app.add_subcommand("report", "A session's report that a laboratory could sign");
   command->add_option("SESSION", options->folders, "Folders that `strobe fire` wrote")->required();
   command->add_option("--out", options->out, "File to write (default: report.html in the first folder)")
       ->type_name("FILE.html");

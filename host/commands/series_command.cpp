@@ -339,8 +339,7 @@ std::string one_of_quantities(const std::string& name) {
 
 void add_series_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<SeriesOptions>();
-  CLI::App* command =
-      app.add_subcommand("series", "List, pool and compare the shots of stored sessions, with uncertainties");
+  CLI::App* command = app.add_subcommand("series", "Pool and compare the shots of stored sessions");
   command->add_option("SESSION", options->sessions, "session folders; shots of one condition are pooled")
       ->required();
   command

@@ -150,8 +150,8 @@ int run_thesis(const ThesisOptions& options) {
 
 void add_thesis_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<ThesisOptions>();
-  CLI::App* command = app.add_subcommand(
-      "thesis", "Compute every table of the thesis anew beside the printed values, or draw its figures.");
+  CLI::App* command =
+      app.add_subcommand("thesis", "The thesis's tables beside the printed values; its figures");
   CLI::Option* table =
       command->add_option("--table", options->table, "Only this table (--help-all lists them)");
   CLI::Option* set =

@@ -20,16 +20,19 @@ void add_flood_command(CLI::App& app, int& exit_status);
 namespace strobe::studies {
 
 void add_board_plan_command(CLI::App& app, int& exit_status);
+void add_bounces_study_command(CLI::App& app, int& exit_status);
 void add_contact_command(CLI::App& app, int& exit_status);
 void add_design_command(CLI::App& app, int& exit_status);
 void add_digitize_command(CLI::App& app, int& exit_status);
 void add_digitizer_noise_command(CLI::App& app, int& exit_status);
 void add_digits_command(CLI::App& app, int& exit_status);
 void add_drift_command(CLI::App& app, int& exit_status);
+void add_drops_command(CLI::App& app, int& exit_status);
 void add_efficiency_command(CLI::App& app, int& exit_status);
 void add_fit_coverage_command(CLI::App& app, int& exit_status);
 void add_effects_command(CLI::App& app, int& exit_status);
 void add_light_command(CLI::App& app, int& exit_status);
+void add_protocol_risk_command(CLI::App& app, int& exit_status);
 void add_series_coverage_command(CLI::App& app, int& exit_status);
 void add_thesis_command(CLI::App& app, int& exit_status);
 void add_trade_command(CLI::App& app, int& exit_status);

@@ -75,10 +75,23 @@ RigFixture::RigFixture(const RigFixtureOptions& options)
         const std::string scene = testing::read_text(share("scenes") / (options.scene + ".toml"));
         testing::write_text(folder_ / (options.scene + ".toml"),
                             edited(scene, options.scene_edits) + "\n" + options.scene_addition + "\n");
-        testing::write_text(rig_file(), edited(shipped_rig(), options.rig_edits));
+        testing::write_text(rig_file(), edited(options.scene_rig ? rig_of_scene(options) : shipped_rig(), options.rig_edits));
         std::filesystem::create_directory(session());
         return testing::Process(sim_command(options), folder_.path());
       }()) {}
+
+std::string RigFixture::rig_of_scene(const RigFixtureOptions& options) const {
+  const std::filesystem::path written = folder_ / "scene_rig.toml";
+  const testing::CompletedProcess done =
+      testing::run_process({{program("strobe-sim"), "run", "--scene", folder_ / (options.scene + ".toml"), "--photographs",
+                             folder_ / "photographs", "--write-rig", written},
+                            {},
+                            {},
+                            {}},
+                           kLongestWait);
+  if (done.status != testing::ExitStatus({0, 0})) throw std::runtime_error("no rig file: " + done.err);
+  return testing::read_text(written);
+}
 
 Command RigFixture::sim_command(const RigFixtureOptions& options) const {
   Command command;
@@ -102,6 +115,7 @@ Command RigFixture::sim_command(const RigFixtureOptions& options) const {
     command.arguments.insert(command.arguments.end(), words.begin(), words.end());
   };
   add(options.sim_options);
+  if (options.scene_rig) add({"--photographs", folder_ / "photographs"});
   add({"--"});
   if (!options.shell.empty()) add({"sh", "-c", options.shell, "sh"});
   // --allow-no-rt: a container's root may lack the right; strobed takes real-time priority wherever it can.

@@ -23,6 +23,8 @@ struct RigFixtureOptions {
   std::string scene = "zero_23";                                 ///< a shipped scene
   std::string scene_addition;                                    ///< TOML put after it: faults, actions
   std::vector<std::pair<std::string, std::string>> scene_edits;  ///< texts replaced in it; each must be there
+  /// The rig file that strobe-sim writes for the scene, not the shipped one; photographs go into its camera's folder.
+  bool scene_rig = false;
   /// Texts replaced in the rig file; each must be there.
   std::vector<std::pair<std::string, std::string>> rig_edits;
   std::uint64_t seed = 1;
@@ -99,6 +101,7 @@ class RigFixture {
 
  private:
   testing::Command sim_command(const RigFixtureOptions& options) const;
+  std::string rig_of_scene(const RigFixtureOptions& options) const;
 
   testing::TemporaryFolder folder_;
   std::string lcm_url_;

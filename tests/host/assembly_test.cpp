@@ -127,7 +127,11 @@ TEST(Assembly, TheFrameKnowsTheBallAsTheRigFileDoes) {
   CHECK_FALSE(assembled(made).frame.ball_mass_kg.has_value());
   CHECK_FALSE(assembled(made).frame.ball_alpha.has_value());
   host::AssemblySettings heavy = settings();
-  heavy.ball = {.diameter_m = 0.0660, .mass_kg = 0.0585, .alpha = 0.6, .alpha_sd = 0.01, .fastest_spin_radps = 500.0};
+  heavy.ball.diameter_m = 0.0660;
+  heavy.ball.mass_kg = 0.0585;
+  heavy.ball.alpha = 0.6;
+  heavy.ball.alpha_sd = 0.01;
+  heavy.ball.fastest_spin_radps = 500.0;
   const reduction::Frame frame = host::assemble(made.shot, made.frame, heavy).frame;
   DOUBLES_EQUAL(0.0660, frame.ball_diameter_m, 0.0);
   DOUBLES_EQUAL(500.0, frame.fastest_spin_radps.value(), 0.0);
@@ -280,7 +284,7 @@ TEST(Assembly, AnEmptyPhotographHasNoNumbers) {
   made.frame.image_count = 0;
   const auto result = host::shot_readout(made.shot, made.frame, settings());
   CHECK_TRUE(result.readout.flags.has(Flag::too_few_images));
-  CHECK_EQUAL("no image of the ball on the photograph", result.problem);
+  CHECK_EQUAL("no image of the ball on the photograph whose leg could be told", result.problem);
   CHECK_FALSE(result.readout.value[Quantity::e].has_value());
 }
 

@@ -1,4 +1,6 @@
 // The train that names its flashes by their spacing: where it is possible, what it tells, and where it stays even.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -133,6 +135,39 @@ TEST(SpacedPlan, IsEvenWhereTheCodedBurstWouldOutlastTheExposure) {
   const SpacedPlan even = host::spaced_plan(plan_of(burst + "60\n"), shipped_rig(), true);
   CHECK_FALSE(even.plan.coded());
   STRCMP_EQUAL("even train: the coded burst would outlast the exposure", even.remark.c_str());
+}
+
+TEST(SpacedPlan, OfADropStepsByOneToTwoDiameters) {
+  for (const double height_m : {0.5, 1.0, 2.54}) {
+    const SpacedPlan spaced =
+        host::spaced_plan(plan_of(fmt::format("drop_height_m = {}\n", height_m)), shipped_rig(), true);
+    STRCMP_EQUAL("", spaced.problem.c_str());
+    STRCMP_CONTAINS("for a drop from", spaced.remark.c_str());
+    // Without air it lands a twentieth faster at most.
+    const double step_m = to_seconds(spaced.plan.even.period) * std::sqrt(2.0 * 9.80665 * height_m);
+    CHECK(step_m > 0.9 * shipped_rig().ball.diameter_m && step_m < 2.0 * shipped_rig().ball.diameter_m);
+    // The top of neither flight is lit.
+    CHECK(to_seconds(spaced.plan.even.impact_at) < std::sqrt(2.0 * height_m / 9.80665));
+    CHECK(plan_of(host::plan_to_toml(spaced.plan)).shot() == spaced.plan.shot());
+  }
+}
+
+TEST(SpacedPlan, OfADropSaysWhichPeriodWouldDoWhereTheStatedOneDoesNot) {
+  const SpacedPlan spaced =
+      host::spaced_plan(plan_of("drop_height_m = 2.54\nperiod_us = 3000\n"), shipped_rig(), true);
+  STRCMP_CONTAINS("period_us: 3.0 ms between flashes let images hide each other", spaced.problem.c_str());
+  STRCMP_CONTAINS("m/s: 1", spaced.problem.c_str());  // .0651 m at 6.9 m/s take 9.5 ms
+  STRCMP_CONTAINS("would do", spaced.problem.c_str());
+  CHECK(host::spaced_plan(plan_of("drop_height_m = 2.54\nperiod_us = 12000\n"), shipped_rig(), true)
+            .problem.empty());
+}
+
+TEST(SpacedPlan, OfADropSaysThatTooLittleOfItIsSeen) {
+  host::RigFile rig = shipped_rig();
+  rig.camera.px_per_m = 4000.0;
+  rig.camera.height_px = 700;
+  const SpacedPlan spaced = host::spaced_plan(plan_of("drop_height_m = 2.54\n"), rig, true);
+  STRCMP_CONTAINS("show more of its fall", spaced.problem.c_str());
 }
 
 TEST(SpacedPlan, TellsTheFlashesOfAFastBallWithThreeImagesALeg) {

@@ -7,6 +7,7 @@
 #include "host/photographs/measure_photograph.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/string_from.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -141,6 +142,27 @@ TEST(RigFileOfTheHost, NamesWhatIsWrongInItsOwnTables) {
 TEST(RigFileOfTheHost, AFileThatIsNotThereIsNamed) {
   STRCMP_CONTAINS("rig file /nowhere/rig.toml: No such file",
                   host::load_rig("/nowhere/rig.toml").error().message.c_str());
+}
+
+TEST(RigFileOfTheHost, KeysOfTheBallGoBeforeItsKindAndAKeptFileBeforeTheNamedOne) {
+  testing::TemporaryFolder folder;
+  const std::string golf = testing::read_text(STROBE_SOURCE_DIR "/common/data/balls/golf.toml");
+  testing::write_text(folder / "own.toml", golf);
+  testing::write_text(folder / "rig.toml", "rig = \"b\"\n[ball]\nkind = \"own.toml\"\nmass_kg = 0.045\n");
+  const auto rig = host::load_rig((folder / "rig.toml").string());
+  CHECK_TRUE_TEXT(rig.has_value(), rig ? "" : rig.error().message.c_str());
+  CHECK_EQUAL("own", rig->ball.kind->name);
+  CHECK_EQUAL(0.0427, rig->ball.diameter_m);
+  CHECK_EQUAL(0.045, rig->ball.mass_kg.value());
+  CHECK_EQUAL(0.4, rig->ball.alpha.value());
+  CHECK_EQUAL(golf, rig->ball_text);
+  CHECK_EQUAL("ball-own.toml", host::kept_ball_file(rig->ball));
+  std::string kept = golf;
+  kept.replace(kept.find("0.0427"), 6, "0.0431");
+  testing::write_text(folder / "ball-own.toml", kept);
+  CHECK_EQUAL(0.0431, host::load_rig((folder / "rig.toml").string())->ball.diameter_m);
+  testing::write_text(folder / "rig.toml", "rig = \"b\"\n[ball]\nkind = \"none.toml\"\n");
+  STRCMP_CONTAINS("rig.toml: ball.kind: ", host::load_rig((folder / "rig.toml").string()).error().message.c_str());
 }
 
 TEST_GROUP(CameraTable){};

@@ -16,6 +16,12 @@ using testing::write_text;
 
 namespace {
 
+/// As high as a ball rises that leaves with that speed: drag k = density·C_D·A/(2m) of the scene's ball and air.
+double risen_m(double speed_mps) {
+  const double k = 1.204 * 0.55 * 3.14159265 * 0.0335 * 0.0335 / (2.0 * 0.0577), g = 9.80665;
+  return std::log1p(k * speed_mps * speed_mps / g) / (2.0 * k);
+}
+
 struct Case {
   json readout, truth;
   std::string remarks;
@@ -25,7 +31,7 @@ Case dropped(const testing::TemporaryFolder& folder, int period_ms) {
   const std::string name = fmt::format("drop_{}", period_ms), scene = folder / (name + ".toml");
   write_text(
       scene,
-      "inherits = \"drop_100in\"\n[camera]\npx_per_m = 1500\norigin_x_px = 560\norigin_y_px = 110\n");
+      "inherits = \"drop_100in\"\n[camera]\nheight_m = 0.6\n");
   const Run made = run_program("strobe-sim", {"photograph", "--scene", scene, "--seed", "3", "--period-ms",
                                               std::to_string(period_ms), "--out", folder / name, "--json"});
   CHECK_TEXT(made.code == 0, made.err.c_str());
@@ -61,7 +67,16 @@ TEST(DropChain, ReadsADropRightOrNotAtAll) {
   for (const int period_ms : {6, 10, 14, 30, 50}) {
     const Case c = dropped(folder, period_ms);
     const bool down = is_read(c, "vy_td_mps"), up = is_read(c, "vy_lo_mps");
-    if (down && up) ++read;
+    if (down && up) {
+      ++read;
+      // Five of its sds, as the speed that it follows from.
+      const auto& drop = c.readout.at("drop");
+      const double sd_m = std::hypot(drop.at("sd").at("rebound_height_m").get<double>(),
+                                     drop.at("sd_systematic").at("rebound_height_m").get<double>());
+      DOUBLES_EQUAL_TEXT(risen_m(c.truth.at("vy_lo_mps").get<double>()), drop.at("rebound_height_m").get<double>(),
+                         5.0 * sd_m + 0.001, c.readout.dump().c_str());
+      CHECK(sd_m > 0.0 && sd_m < 0.03);
+    }
     if (!down && !up) STRCMP_CONTAINS("flies along one line", c.remarks.c_str());
   }
   CHECK_TRUE(read >= 2);
