@@ -79,6 +79,12 @@ TEST(TestProtocol, FailsATennisBallThatIsDead) {
   runs({"itf-ball-rebound", "drop_100in", "fail", {"temperature_c=20"}, {{"rebound_height_m = 1.4097", "rebound_height_m = 1.15"}}});
 }
 
+TEST(TestProtocol, PassesBallsWithoutADrawnLine) {
+  runs({"basketball-rebound", "drop_basketball", "pass", {"temperature_c=20"}});
+  runs({"pickleball-bounce", "drop_pickleball", "pass", {"temperature_c=25"}});
+  runs({"table-tennis-table", "drop_table_tennis", "pass", {"temperature_c=20"}});
+}
+
 TEST(TestProtocol, GoesOnWhereItWasInterrupted) {
   ReadyRig bench(rig_of(kCourtPace));
   // Nobody presses Enter after the first ball: its block is fired, and no other.
