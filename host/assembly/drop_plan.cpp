@@ -15,7 +15,7 @@ namespace {
 
 // Steps in diameters (strobe-bench drops): what is chosen; less hides images.
 constexpr double kUsualStep = 1.5;
-constexpr double kLeastStep = 0.6;
+constexpr double kMinStep = 0.6;
 // Images of the way down: as many as are wanted, and so few that nothing is left by which a wrong one shows.
 constexpr int kWanted = 6;
 constexpr int kFewest = 4;
@@ -60,7 +60,7 @@ Result<PlanFile> drop_plan(const PlanFile& plan, const RigFile& rig) {
       to_seconds(std::max(rig.limits.lamp_period, rig.limits.flash_interval + microseconds{1}));
   const double longest_s = fall.lit_s / kFewest;
   const double chosen_s = std::max(
-      std::clamp(fall.lit_s / kWanted, kLeastStep * of_diameter_s, kUsualStep * of_diameter_s), lamp_s);
+      std::clamp(fall.lit_s / kWanted, kMinStep * of_diameter_s, kUsualStep * of_diameter_s), lamp_s);
   if (chosen_s > longest_s)
     return fail(fmt::format(
         "drop_height_m: a ball of {:.0f} mm is in view for the last {:.0f} ms of a fall from {:g} m, too "
@@ -74,7 +74,7 @@ Result<PlanFile> drop_plan(const PlanFile& plan, const RigFile& rig) {
     result.period_stated = true;
   }
   const double stated_s = to_seconds(result.even.period);
-  if (stated_s < kLeastStep * of_diameter_s || stated_s > 1.05 * longest_s)
+  if (stated_s < kMinStep * of_diameter_s || stated_s > 1.05 * longest_s)
     return fail(fmt::format(
         "period_us: {:.1f} ms between flashes {} where a ball of {:.0f} mm drops from {:g} m and lands with "
         "{:.1f} m/s: {:.1f} ms would do, which is taken where period_us is left out",

@@ -27,7 +27,7 @@ constexpr double kPoissonOfRubber = 0.5;
 
 /// Normal speeds of the impacts that support the constants of grip and mechanics (a tennis ball's file,
 /// [contact]).
-constexpr double kLeastNormal_mps = 2.0, kMostNormal_mps = 16.0;
+constexpr double kMinNormal_mps = 2.0, kMaxNormal_mps = 16.0;
 
 ball::Ball ball_of(const Case& c, double alpha) {
   return {.diameter_m = c.ball.diameter_m, .mass_kg = c.ball.mass_kg, .alpha = alpha};
@@ -220,7 +220,7 @@ std::string_view not_valid(const Case& c, Model model) {
   if (model == Model::rigid || (model == Model::known && !shell)) return "";
   if (!shell) return "constants of a tennis ball";
   const double normal_mps = -c.bounce.vy_td_mps.value;
-  const bool supported = normal_mps >= kLeastNormal_mps && normal_mps <= kMostNormal_mps;
+  const bool supported = normal_mps >= kMinNormal_mps && normal_mps <= kMaxNormal_mps;
   return supported ? "" : "normal speed outside 2-16 m/s";
 }
 

@@ -56,7 +56,7 @@ Result<protocol::SessionProtocol> protocol_for(const VerdictOptions& options) {
   if (!options.protocol.empty()) {
     auto asked = protocol::load_protocol(options.protocol);
     if (!asked) return fail("--protocol: " + asked.error().message);
-    return protocol::SessionProtocol{std::move(*asked), own && *own ? (*own)->seed : 0};
+    return protocol::SessionProtocol{std::move(*asked), "", own && *own ? (*own)->seed : 0};
   }
   if (!own) return tl::unexpected(own.error());
   if (!*own) return fail(options.sessions.front() + " was fired for no protocol; give one with --protocol");

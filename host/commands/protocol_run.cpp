@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "common/config/files.hpp"
 #include "common/messages/parsed_json.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/protocol_json.hpp"
@@ -137,21 +136,20 @@ class ProtocolRun {
 };
 
 /// The session's, or the one that was asked for where the session has none yet. Fails where these differ.
-Result<protocol::SessionProtocol> chosen_protocol(FireOptions& options) {
-  const auto stored = protocol::protocol_of_session(options.session);
+Result<protocol::SessionProtocol> chosen_protocol(const FireOptions& options) {
+  auto stored = protocol::protocol_of_session(options.session);
   if (!stored) return tl::unexpected(stored.error());
-  const fs::path kept = fs::path(options.session) / protocol::kProtocolFile;
-  const bool resumed = *stored && options.resume;
-  auto text = resumed ? config::read_file(kept.string()) : protocol::protocol_text(options.protocol);
+  if (*stored && options.resume) return std::move(**stored);
+  auto text = protocol::protocol_text(options.protocol);
   if (!text) return tl::unexpected(text.error());
-  if (*stored && !resumed && config::read_file(kept.string()) != *text)
+  if (*stored && (*stored)->text != *text)
     return fail(fmt::format("--protocol: session {} was fired for another one ({})", options.session,
                             (*stored)->protocol.title));
-  options.protocol_text = std::move(*text);
-  if (*stored) return **stored;
-  auto protocol = protocol::load_protocol(options.protocol);
+  if (*stored) return std::move(**stored);
+  auto protocol = protocol::read_protocol(*text, options.protocol);
   if (!protocol) return tl::unexpected(protocol.error());
-  return protocol::SessionProtocol{std::move(*protocol), static_cast<std::uint64_t>(options.protocol_seed)};
+  return protocol::SessionProtocol{std::move(*protocol), std::move(*text),
+                                   static_cast<std::uint64_t>(options.protocol_seed)};
 }
 
 /// Fails, naming the first input that nobody has stated, or one beyond what the protocol allows.
@@ -167,8 +165,8 @@ Result<void> check_inputs(const protocol::Protocol& protocol, const FireOptions&
       return fail(fmt::format("{} needs {}: state it with --note {}=NUMBER, in {}", protocol.name,
                               input.words, input.name, input.unit));
     if (*number < input.allowed.low || *number > input.allowed.high)
-      return fail(fmt::format("{}: {} {} is not within {} to {}", protocol.name, input.name, *number,
-                              input.allowed.low, input.allowed.high));
+      return fail(fmt::format("{}: {} is {}, must be {}", protocol.name, input.name, *number,
+                              protocol::words(input.allowed)));
   }
   return {};
 }
@@ -181,6 +179,7 @@ int run_protocol(const FireOptions& given, const HostReading& asked, const FireB
   auto chosen = chosen_protocol(options);
   if (!chosen) return bad_input(chosen.error().message);
   options.protocol = chosen->protocol.name;
+  options.protocol_text = chosen->text;
   options.protocol_seed = static_cast<int>(chosen->seed);
   const auto rig = load_rig(options.paths.rig_path);
   if (!rig) return bad_input(rig.error().message);

@@ -17,7 +17,6 @@
 #include "host/protocol/session_protocol.hpp"
 #include "host/report/pdf.hpp"
 #include "host/report/report.hpp"
-#include "host/series/select.hpp"
 
 namespace strobe::host {
 
@@ -114,20 +113,6 @@ int write_report(const report::Report& made, const ReportOptions& options, const
   return kDone;
 }
 
-/// If the first session was fired for a protocol, what that says of all their shots.
-Result<void> judge_by_protocol(ReportInput& input) {
-  const auto asked = protocol::protocol_of_session(input.sessions.front().folder);
-  if (!asked) return tl::unexpected(asked.error());
-  if (!*asked) return {};
-  std::vector<Shot> shots;
-  for (const StoredSession& session : input.sessions)
-    for (Shot& shot :
-         series_shots(session, input.sessions.size() > 1 ? session.folder.filename().string() : ""))
-      shots.push_back(std::move(shot));
-  input.protocol = {(*asked)->protocol, protocol::evaluate((*asked)->protocol, (*asked)->seed, shots)};
-  return {};
-}
-
 int run_report(const ReportOptions& options) {
   auto input = stated_input(options);
   if (!input) return bad_input(input.error().message);
@@ -145,7 +130,9 @@ int run_report(const ReportOptions& options) {
     if (!session) return bad_input(session.error().message);
     input->sessions.push_back(*std::move(session));
   }
-  if (auto judged = judge_by_protocol(*input); !judged) return bad_input(judged.error().message);
+  auto protocol = protocol::protocol_of_session(input->sessions.front().folder);
+  if (!protocol) return bad_input(protocol.error().message);
+  input->protocol = std::move(*protocol);
   const auto thesis = options.thesis ? report::shipped_thesis() : std::nullopt;
   if (options.thesis && !thesis) return failed("report: --thesis: its tables are not installed");
   input->thesis = thesis ? &*thesis : nullptr;

@@ -26,10 +26,10 @@ std::string words(const Interval& i) {
 }
 
 std::string percent(double probability) {
-  constexpr double kLeast = 1e-4;
+  constexpr double kMin = 1e-4;
   if (probability == 0.0 || probability == 1.0) return probability == 0.0 ? "0 %" : "100 %";
-  if (probability < kLeast) return "less than 0.01 %";
-  if (probability > 1.0 - kLeast) return "more than 99.99 %";
+  if (probability < kMin) return "less than 0.01 %";
+  if (probability > 1.0 - kMin) return "more than 99.99 %";
   return fmt::format("{:.3g} %", 100.0 * probability);
 }
 

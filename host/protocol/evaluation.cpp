@@ -193,9 +193,7 @@ class Course {
 };
 
 std::string place_of(const Cell& cell, const std::string& shot) {
-  if (!shot.empty()) return "shot " + shot;
-  if (cell.position.empty()) return "";
-  return "position " + cell.position + (cell.ball.empty() ? "" : ", ball " + cell.ball);
+  return shot.empty() ? words(cell) : "shot " + shot;
 }
 
 Measured measured(const Value& value) {
@@ -328,6 +326,11 @@ void conclude(const Protocol& protocol, Evaluation& e) {
 }
 
 }  // namespace
+
+std::string words(const Cell& cell) {
+  if (cell.position.empty()) return "";
+  return "position " + cell.position + (cell.ball.empty() ? "" : ", ball " + cell.ball);
+}
 
 std::string_view name(Outcome outcome) {
   constexpr std::array<std::string_view, 5> kNames{"pass", "fail", "inconclusive", "incomplete", "withheld"};

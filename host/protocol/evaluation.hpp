@@ -25,6 +25,9 @@ struct Cell {
   bool operator==(const Cell&) const = default;
 };
 
+/// "position 2, ball 3"; empty of a cell without a position.
+std::string words(const Cell& cell);
+
 enum class Use {
   counts,
   discarded,       ///< conditioning

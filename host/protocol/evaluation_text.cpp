@@ -133,10 +133,7 @@ std::string requirement_text(const Protocol& p, const Requirement& r) {
                     100.0 * r.risk);
 }
 
-std::string place_text(const Cell& cell) {
-  if (cell.position.empty()) return "";
-  return ", position " + cell.position + (cell.ball.empty() ? "" : ", ball " + cell.ball);
-}
+std::string place_text(const Cell& cell) { return cell.position.empty() ? "" : ", " + words(cell); }
 
 std::string value_text(const Protocol& p, const Value& value) {
   const Computed& c = number_asked_for(p, value.name);

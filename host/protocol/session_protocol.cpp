@@ -14,7 +14,7 @@ Result<std::optional<SessionProtocol>> protocol_of_session(const std::filesystem
   if (!protocol) return tl::unexpected(protocol.error());
   const auto runs = host::read_runs(folder / "runs.jsonl");
   if (!runs) return tl::unexpected(runs.error());
-  SessionProtocol found{std::move(*protocol), 0};
+  SessionProtocol found{std::move(*protocol), **text, 0};
   for (const host::RunRecord& run : runs->runs) {
     if (run.protocol.empty()) continue;
     found.protocol.name = run.protocol;

@@ -16,6 +16,7 @@ inline constexpr const char* kProtocolFile = "protocol.toml";
 
 struct SessionProtocol {
   Protocol protocol;
+  std::string text;        ///< of its file
   std::uint64_t seed = 0;  ///< of the drawn order
 };
 

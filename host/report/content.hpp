@@ -11,18 +11,12 @@
 
 #include "host/archive/read_session.hpp"
 #include "host/config/notes.hpp"
-#include "host/protocol/evaluation.hpp"
+#include "host/protocol/session_protocol.hpp"
 #include "host/report/conformity.hpp"
 #include "host/series/series.hpp"
 #include "host/thesis/thesis_inputs.hpp"
 
 namespace strobe::report {
-
-/// A protocol, and what it says of the sessions' shots.
-struct ProtocolResult {
-  protocol::Protocol protocol;
-  protocol::Evaluation evaluation;
-};
 
 struct ReportInput {
   std::vector<host::StoredSession> sessions{};  ///< at least one
@@ -32,7 +26,7 @@ struct ReportInput {
   std::vector<std::string> over{};  ///< what shots of one condition may differ in: host::kConditionKeys
   bool all = false;                 ///< all quantities, budgets and figures of every condition
   std::string version{};            ///< of strobe
-  std::optional<ProtocolResult> protocol{};  ///< that the first session was fired for
+  std::optional<protocol::SessionProtocol> protocol{};  ///< that the first session was fired for
   /// The thesis's conditions and fitted contact mechanics; nullptr: nothing is set beside.
   const thesis::ThesisInputs* thesis = nullptr;
   /// Told of the work: done, of, and at what. Empty: nobody.

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <vector>
 
+#include "host/protocol/evaluation.hpp"
 #include "host/report/sections.hpp"
 
 namespace strobe::report {
@@ -16,28 +17,30 @@ using protocol::Evaluation;
 using protocol::Outcome;
 using protocol::Protocol;
 
-std::string words_of(const report::ProtocolResult& result, const std::string& name) {
+struct ProtocolResult {
+  const Protocol& protocol;
+  Evaluation evaluation;
+};
+
+ProtocolResult result_of(const Content& content) {
+  std::vector<host::Shot> shots;
+  for (const ReportShot& each : content.shots) shots.push_back(*each.in_series);
+  const auto& [protocol, text, seed] = *content.input.protocol;
+  return {protocol, protocol::evaluate(protocol, seed, shots)};
+}
+
+std::string words_of(const ProtocolResult& result, const std::string& name) {
   const auto found = std::ranges::find(result.protocol.computed, name, &Computed::name);
   return found == result.protocol.computed.end() || found->words.empty() ? name : found->words;
 }
 
-std::string unit_of(const report::ProtocolResult& result, const std::string& name) {
+std::string unit_of(const ProtocolResult& result, const std::string& name) {
   const auto found = std::ranges::find(result.protocol.computed, name, &Computed::name);
   return found == result.protocol.computed.end() ? "" : found->unit;
 }
 
 std::string place_words(const protocol::Cell& cell) {
-  std::string text;
-  if (!cell.position.empty()) append(text, "position " + cell.position);
-  if (!cell.ball.empty()) append(text, "ball " + cell.ball);
-  return text.empty() ? "all" : text;
-}
-
-std::string limits_words(const protocol::Requirement& requirement) {
-  const auto& [low, high] = requirement.limits;
-  if (!requirement.categories.empty()) return "classified";
-  if (std::isinf(low)) return fmt::format("at most {}", high);
-  return std::isinf(high) ? fmt::format("at least {}", low) : fmt::format("{} to {}", low, high);
+  return cell.position.empty() ? "all" : protocol::words(cell);
 }
 
 const protocol::Value* value_of(const Evaluation& evaluation, const protocol::Verdict& verdict) {
@@ -59,7 +62,8 @@ Table verdicts_table(const ProtocolResult& result) {
     const protocol::Value* value = value_of(result.evaluation, verdict);
     table.rows.push_back(
         {{words_of(result, verdict.requirement), place_words(verdict.cell), asked->clause,
-          limits_words(*asked), unit_of(result, verdict.requirement),
+          asked->categories.empty() ? protocol::words(asked->limits) : "classified",
+          unit_of(result, verdict.requirement),
           value ? expanded_cell(value->value, value->expanded) : Cell("-"),
           verdict.category.empty() ? std::string(name(verdict.outcome)) : verdict.category,
           verdict.risk ? Cell(fmt::format("{:.2g}", 100.0 * *verdict.risk), 100.0 * *verdict.risk)
@@ -128,7 +132,7 @@ std::string source_words(const protocol::ProtocolSource& source) {
 Section test_by_protocol(const Content& content) {
   Section section{"protocol", "Test by protocol"};
   if (!content.input.protocol) return section;
-  const ProtocolResult& result = *content.input.protocol;
+  const ProtocolResult result = result_of(content);
   const Protocol& asked = result.protocol;
   section.blocks.emplace_back(Facts{
       "test",
