@@ -95,6 +95,7 @@ bool is_pure(const Include& include) {
   if (include.quoted) return true;
   return kPureStandardHeaders.count(include.target) != 0 || starts_with(include.target, "tl/") ||
          starts_with(include.target, "Eigen/") || starts_with(include.target, "boost/math/") ||
+         starts_with(include.target, "boost/numeric/odeint/") ||
          (starts_with(include.target, "boost/random/") && include.target != "boost/random/random_device.hpp");
 }
 

@@ -1,8 +1,4 @@
-#include "common/impact/closed_form/rebound.hpp"
-
-#include <algorithm>
-#include <cmath>
-#include <optional>
+#include "common/impact/closed_form/grip_impulse.hpp"
 
 namespace strobe::impact {
 
@@ -22,6 +18,10 @@ bool magnitudes_in_range(const ball::Ball& b, const Motion& m, const Coefficient
            too_small(b.alpha) || too_small(c.offset_reference_mps));
 }
 
+}  // namespace
+
+namespace detail {
+
 std::optional<InputError> find_error(const ball::Ball& b, const Motion& m, const Coefficients& c) {
   if (!all_finite(b, m, c)) return InputError::not_finite;
   if (b.diameter_m <= 0.0 || b.mass_kg <= 0.0 || b.alpha <= 0.0 || b.alpha > ball::kThinShellAlpha)
@@ -36,56 +36,7 @@ std::optional<InputError> find_error(const ball::Ball& b, const Motion& m, const
   return std::nullopt;
 }
 
-/// Friction's impulse per mass, and whether it suffices for the contact point to grip.
-struct Friction {
-  double dvx_mps;
-  bool grips;
-};
-
-/// `moment` = d·J/R: the angular impulse of the normal force over R, per mass.
-Friction friction_impulse(double alpha, double slip, double e_x, double limit, double moment) {
-  const double needed = -((1.0 + e_x) * slip * alpha + moment) / (1.0 + alpha);
-  const double dvx = std::clamp(needed, -limit, limit);
-  return {dvx, dvx == needed};
-}
-
-/// The impact with the normal force under the centre, and the offset's effect on it.
-struct OffsetEffect {
-  Friction without;
-  Friction with;
-  double slip_without;  ///< slip at lift-off
-  double dvx;           ///< changes of vx and R·omega by the offset
-  double dspin;
-};
-
-/// Differences are expanded to keep their digits: the slip after a grip is -e_x·slip however small the slip
-/// is beside the speeds, and the offset's effect is not the difference of two larger numbers.
-OffsetEffect offset_effect(double alpha, double slip, const Coefficients& c, double limit, double moment) {
-  OffsetEffect s{friction_impulse(alpha, slip, c.e_x, limit, 0.0),
-                 friction_impulse(alpha, slip, c.e_x, limit, moment), 0.0, 0.0, 0.0};
-  s.slip_without = s.without.grips ? -c.e_x * slip : slip + s.without.dvx_mps * (1.0 + 1.0 / alpha);
-  s.dvx = s.without.grips && s.with.grips ? -moment / (1.0 + alpha) : s.with.dvx_mps - s.without.dvx_mps;
-  s.dspin = (s.dvx + moment) / alpha;
-  return s;
-}
-
-/// Largest fraction, 0…1, of the offset's effect that does not raise the tangential energy above that before
-/// the impact. The change of energy is a convex parabola in the fraction x, a·x² + b·x + c: c is the change
-/// without offset (never a gain), b·x the work of friction and of the moment. Its root is continuous in the
-/// inputs; of its two forms the one is used that adds numbers of like sign.
-double max_offset_fraction(double alpha, double slip, double e_x, double spin, double moment,
-                           const OffsetEffect& s) {
-  const double dvx = s.without.dvx_mps;
-  const double a = 0.5 * (s.dvx * s.dvx + alpha * s.dspin * s.dspin);
-  const double b = s.dvx * s.slip_without + moment * (spin + dvx / alpha);
-  const double c = s.without.grips ? -0.5 * (1.0 - e_x) * (1.0 + e_x) * slip * slip * (alpha / (1.0 + alpha))
-                                   : std::min(0.0, 0.5 * dvx * (slip + s.slip_without));
-  if (a + b + c <= 0.0 || a == 0.0) return 1.0;
-  const double root = std::sqrt(b * b - 4.0 * a * c);
-  return std::clamp(b > 0.0 ? -2.0 * c / (b + root) : (root - b) / (2.0 * a), 0.0, 1.0);
-}
-
-}  // namespace
+}  // namespace detail
 
 Regime regime_of(const ball::Ball& ball, const Motion& touchdown, const Rebound& rebound) {
   const double slip = std::fma(ball.radius_m(), touchdown.omega_radps, touchdown.vx_mps);
@@ -94,29 +45,20 @@ Regime regime_of(const ball::Ball& ball, const Motion& touchdown, const Rebound&
 
 tl::expected<Rebound, InputError> grip(const ball::Ball& ball, const Motion& touchdown,
                                        const Coefficients& c) {
-  if (const auto error = find_error(ball, touchdown, c)) return tl::unexpected(*error);
+  if (const auto error = detail::find_error(ball, touchdown, c)) return tl::unexpected(*error);
   const double radius = ball.radius_m();
   const double vx = touchdown.vx_mps;
   const double spin = radius * touchdown.omega_radps;
   const double slip = std::fma(radius, touchdown.omega_radps, vx);
   const double impulse = -(1.0 + c.e) * touchdown.vy_mps;
-  const double rolling = 0.5 * (vx - spin);
-  const double offset = c.offset_m * rolling / std::hypot(rolling, c.offset_reference_mps);
-  const double moment = offset * impulse / radius;
-
-  const OffsetEffect effect = offset_effect(ball.alpha, slip, c, c.mu * impulse, moment);
-  const double fraction =
-      moment == 0.0 ? 1.0 : max_offset_fraction(ball.alpha, slip, c.e_x, spin, moment, effect);
-  const double dvx = fraction < 1.0 ? effect.without.dvx_mps + fraction * effect.dvx : effect.with.dvx_mps;
-  const double dspin = (dvx + fraction * moment) / ball.alpha;
-  const bool grips = (fraction < 1.0 ? effect.without : effect.with).grips;
+  const auto change = detail::grip_impulse(ball, slip, spin, 0.5 * (vx - spin), impulse, c);
 
   Rebound out;
-  out.lift_off = {vx + dvx, -c.e * touchdown.vy_mps, touchdown.omega_radps + dspin / radius};
-  out.regime = grips ? Regime::grips : Regime::slides;
-  out.slip_lo_mps = fraction == 1.0 && grips ? -c.e_x * slip : slip + dvx + dspin;
-  out.impulse_ratio = (0.0 - dvx) / impulse;
-  out.offset_m = fraction * offset;
+  out.lift_off = {vx + change.dv, -c.e * touchdown.vy_mps, touchdown.omega_radps + change.dspin / radius};
+  out.regime = change.grips ? Regime::grips : Regime::slides;
+  out.slip_lo_mps = change.slip_lo;
+  out.impulse_ratio = (0.0 - change.dv) / impulse;
+  out.offset_m = change.offset;
   return out;
 }
 

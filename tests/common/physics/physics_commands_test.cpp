@@ -189,6 +189,22 @@ TEST(PhysicsCommands, PredictOdeTellsTheContactsCourseEventsAndEnergy) {
   CHECK_EQUAL(1e-9, json["inputs"]["tolerance"]);
 }
 
+// Friction acts along the slip: of a ball that spins about x only, across and along its way in the ratio of the slip.
+TEST(PhysicsCommands, PredictTellsTheBounceOutOfThePlane) {
+  for (const char* model : {"rigid", "grip", "ode"}) {
+    const auto json = json_of(predict("20", "-5", {"--vz", "1", "--omega-x", "-100", "--mu", "0.2", "--model", model, "--json"}));
+    DOUBLES_EQUAL((1.0 + 0.5 * 0.0651 * 100.0) / 20.0, std::tan(json["slip_direction_td_deg"].get<double>() * M_PI / 180.0), 1e-12);
+    CHECK_EQUAL("slides", json["regime"]);
+    CHECK(json["vz_lo_mps"].get<double>() < 0.9 && json["omega_x_lo_radps"].get<double>() > -99.0);
+    CHECK_EQUAL(1.0, json["inputs"]["vz_mps"]);
+  }
+  check_prints(predict("10", "-12", {"--omega-x", "50"}), {"vz m/s", "degrees from x towards z"});
+  check_refused(predict("10", "-12", {"--vz", "1", "--model", "pulse"}),
+                "predict: --vz is for --model rigid, grip or ode, not pulse");
+  check_refused(predict("10", "-12", {"--vz", "1", "--model", "ode", "--samples", "5"}),
+                "predict: --samples is for motion in the plane");
+}
+
 TEST(PhysicsCommands, PredictOdeWritesTheCourseAsCsvBelowItsTable) {
   const CompletedProcess run = predict("10", "-12", {"--model", "ode", "--samples", "5"});
   const auto begin = run.out.find("time_ms,x_m,y_m,angle_deg,vx_mps,vy_mps,omega_radps,fx_n,fy_n,mode\n0,");
