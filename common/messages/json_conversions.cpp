@@ -124,6 +124,9 @@ BallImage read_image(const json& object, const std::string& place, std::optional
   if (image.leg != Leg::contact || fields.find("diameter_px"))
     fields.number("diameter_px", image.diameter_px);
   fields.number("equator_rad", image.equator_rad);
+  fields.number("equator_tilt_rad", image.equator_tilt_rad);
+  fields.number("equator_tilt_sd_rad", image.equator_tilt_sd_rad);
+  fields.number("equator_tilt_correlation", image.equator_tilt_correlation);
   fields.number("time_sd_s", image.time_sd_s);
   fields.integer("flash_index", image.flash_index);
   read_covariance(fields, image.centre_cov_px2);
@@ -144,6 +147,16 @@ void read_surface(Fields& fields, Frame& frame) {
   for (std::size_t i = 0; i < points->size(); ++i) {
     fields.point("surface_px[" + std::to_string(i) + "]", (*points)[i], frame.surface_px.emplace_back());
   }
+}
+
+void read_lens(Fields& fields, Frame& frame, std::optional<Error>& error) {
+  const json* object = fields.find("lens");
+  if (!object) return;
+  if (!object->is_object()) return fields.wrong("lens", "must be an object");
+  Fields of_lens(*object, "lens.", error);
+  reduction::Lens& lens = frame.lens.emplace();
+  of_lens.number("distance_m", lens.distance_m);
+  if (const json* foot = of_lens.need("foot_px")) of_lens.point("foot_px", *foot, lens.foot_px);
 }
 
 /// Numbers and truth values of a record are kept as the text they were written as, shortest form.
@@ -222,6 +235,7 @@ Frame read_frame(const json& object, std::optional<Error>& error) {
   fields.number("equator_sd_rad", frame.equator_sd_rad);
   fields.number("px_per_m", frame.px_per_m);
   fields.number("px_per_m_sd", frame.px_per_m_sd);
+  read_lens(fields, frame, error);
   std::optional<double> angle;
   fields.number("surface_angle_deg", angle);
   frame.surface_angle_deg = angle.value_or(0.0);
@@ -261,6 +275,9 @@ ordered_json image_json(const BallImage& image) {
   object["centre_px"] = point(image.centre_px);
   if (image.leg != Leg::contact || image.diameter_px > 0.0) object["diameter_px"] = image.diameter_px;
   put(object, "equator_rad", image.equator_rad);
+  put(object, "equator_tilt_rad", image.equator_tilt_rad);
+  put(object, "equator_tilt_sd_rad", image.equator_tilt_sd_rad);
+  put(object, "equator_tilt_correlation", image.equator_tilt_correlation);
   put(object, "time_sd_s", image.time_sd_s);
   put(object, "flash_index", image.flash_index);
   if (image.centre_cov_px2) {
@@ -319,6 +336,8 @@ std::string frame_to_json(const Frame& frame) {
   put(object, "equator_sd_rad", frame.equator_sd_rad);
   put(object, "px_per_m", frame.px_per_m);
   put(object, "px_per_m_sd", frame.px_per_m_sd);
+  if (frame.lens)
+    object["lens"] = {{"distance_m", frame.lens->distance_m}, {"foot_px", point(frame.lens->foot_px)}};
   for (const reduction::MapError& error : frame.map_errors)
     object["map_errors"].push_back(map_error_json(error));
   object["surface_angle_deg"] = frame.surface_angle_deg;

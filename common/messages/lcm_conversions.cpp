@@ -6,6 +6,7 @@
 #include <limits>
 #include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/readout_t.hpp>
+#include <tuple>
 #include <utility>
 
 #include "common/messages/record.hpp"
@@ -160,6 +161,21 @@ std::optional<Error> diameter_from(const ball_image_t& m, const std::string& pla
   return std::nullopt;
 }
 
+/// The drawn line's angles, their sds and correlation.
+std::optional<Error> line_from(const ball_image_t& m, const std::string& place, BallImage& image) {
+  const std::tuple<double, const char*, std::optional<double>&> angles[] = {
+      {m.equator_rad, "equator_rad", image.equator_rad},
+      {m.equator_tilt_rad, "equator_tilt_rad", image.equator_tilt_rad},
+      {m.equator_tilt_correlation, "equator_tilt_correlation", image.equator_tilt_correlation}};
+  for (const auto& [value, field, into] : angles) {
+    if (std::isinf(value)) return Error{place + field + ": must be finite, or NaN for not seen"};
+    if (!std::isnan(value)) into = value;
+  }
+  std::optional<Error> error = take(m.equator_sd_rad, place + "equator_sd_rad", image.equator_sd_rad);
+  if (!error) error = take(m.equator_tilt_sd_rad, place + "equator_tilt_sd_rad", image.equator_tilt_sd_rad);
+  return error;
+}
+
 Result<BallImage> image_from(const ball_image_t& m, const std::string& place, const std::string& source) {
   BallImage image;
   auto leg = leg_from(m.leg, place + "leg");
@@ -169,14 +185,12 @@ Result<BallImage> image_from(const ball_image_t& m, const std::string& place, co
   if (!measured_by) return tl::unexpected(measured_by.error());
   image.source = std::move(*measured_by);
   if (!finite(m.centre_x_px, m.centre_y_px)) return fail(place + "centre_px: must be two finite numbers");
-  if (std::isinf(m.equator_rad)) return fail(place + "equator_rad: must be finite, or NaN for not seen");
   image.centre_px = {m.centre_x_px, m.centre_y_px};
-  if (!std::isnan(m.equator_rad)) image.equator_rad = m.equator_rad;
   if (finite(m.top_x_px, m.top_y_px)) image.top_px = PointPx{m.top_x_px, m.top_y_px};
   std::optional<Error> error = diameter_from(m, place, image);
   if (!error) error = covariance_from(m, place, image);
+  if (!error) error = line_from(m, place, image);
   if (!error) error = take(m.diameter_sd_px, place + "diameter_sd_px", image.diameter_sd_px);
-  if (!error) error = take(m.equator_sd_rad, place + "equator_sd_rad", image.equator_sd_rad);
   if (!error) error = take(m.contact_width_px, place + "contact_width_px", image.contact_width_px);
   if (error) return tl::unexpected(*error);
   return image;
@@ -216,6 +230,9 @@ ball_image_t image_to(const BallImage& image, const std::string& source) {
   m.diameter_sd_px = image.diameter_sd_px.value_or(kNotANumber);
   m.equator_rad = image.equator_rad.value_or(kNotANumber);
   m.equator_sd_rad = image.equator_sd_rad.value_or(kNotANumber);
+  m.equator_tilt_rad = image.equator_tilt_rad.value_or(kNotANumber);
+  m.equator_tilt_sd_rad = image.equator_tilt_sd_rad.value_or(kNotANumber);
+  m.equator_tilt_correlation = image.equator_tilt_correlation.value_or(kNotANumber);
   m.top_x_px = image.top_px ? image.top_px->x : kNotANumber;
   m.top_y_px = image.top_px ? image.top_px->y : kNotANumber;
   m.contact_width_px = image.contact_width_px.value_or(kNotANumber);

@@ -88,6 +88,18 @@ ordered_json drop_json(const reduction::Drop& drop) {
   return object;
 }
 
+ordered_json spatial_json(const reduction::Spatial& spatial) {
+  ordered_json object;
+  for (std::size_t i = 0; i < reduction::kSpatialCount; ++i) {
+    const std::string key(reduction::kSpatialNames[i]);
+    const auto& number = spatial.number[i];
+    object[key] = number ? ordered_json(number->value) : ordered_json();
+    object["sd"][key] = number ? ordered_json(number->sd) : ordered_json();
+    object["sd_systematic"][key] = number ? ordered_json(number->sd_systematic) : ordered_json();
+  }
+  return object;
+}
+
 void put_residual_ratios(ordered_json& object, const reduction::ResidualRatios& ratios) {
   object["residual_ratio"] = or_null(ratios.all);
   ordered_json& by_kind = object["residual_ratio_by_kind"] = ordered_json::object();
@@ -120,6 +132,7 @@ ordered_json readout_json(const Readout& readout) {
   object["spin_told_by"] = names_json(reduction::kSpinEvidenceNames, readout.spin_told_by.bits());
   if (const auto& cause = readout.likely_cause)
     object["likely_cause"] = {{"cause", name(cause->cause)}, {"value", cause->value}, {"sd", cause->sd}};
+  if (readout.spatial) object["spatial"] = spatial_json(*readout.spatial);
   if (readout.drop) object["drop"] = drop_json(*readout.drop);
   if (readout.launch) object["launch"] = launch_json(*readout.launch);
   if (readout.legacy) {

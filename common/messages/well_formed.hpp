@@ -9,6 +9,10 @@
 #include <limits>
 #include <vector>
 
+namespace strobe_msgs {
+class frame_t;
+}  // namespace strobe_msgs
+
 namespace strobe::messages {
 
 /// True if the encoded message is exactly as long as its own counts and lengths say, and every count is
@@ -28,6 +32,9 @@ bool decode_checked(Message& message, const void* data, std::size_t size) {
   return size <= static_cast<std::size_t>(std::numeric_limits<int>::max()) &&
          well_formed<Message>(data, size) && message.decode(data, 0, static_cast<int>(size)) >= 0;
 }
+
+/// Of a frame, too, that was written before its images had a tilt (frame_2_t): they have none then.
+bool decode_checked(strobe_msgs::frame_t& frame, const void* data, std::size_t size);
 
 /// The host_id of an encoded readout_t, read without decoding its lists; 0 if it is not a readout.
 std::int64_t readout_host(const void* data, std::size_t size);

@@ -44,9 +44,11 @@ enum class Flag {
   spin_limit_assumed,  // a spin faster than any in play explains all as well; nobody said how fast the ball
                        // can spin
   air_extrapolated,    // the ball flew slower or faster than its kind's drag and lift were measured at
+  axis_tilted,   // the ball does not spin about the camera's axis: the spin was found in three dimensions
+  out_of_plane,  // the ball came nearer or went away from the camera, by more than its diameters' noise
 };
 
-inline constexpr std::array<std::string_view, 27> kFlagNames{"late_flash",
+inline constexpr std::array<std::string_view, 29> kFlagNames{"late_flash",
                                                              "missing_flash",
                                                              "double_flash",
                                                              "flash_match_ambiguous",
@@ -72,7 +74,9 @@ inline constexpr std::array<std::string_view, 27> kFlagNames{"late_flash",
                                                              "residuals_exceed_noise",
                                                              "scale_sd_unknown",
                                                              "spin_limit_assumed",
-                                                             "air_extrapolated"};
+                                                             "air_extrapolated",
+                                                             "axis_tilted",
+                                                             "out_of_plane"};
 inline constexpr std::size_t kFlagCount = kFlagNames.size();
 
 constexpr std::string_view name(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }

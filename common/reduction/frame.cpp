@@ -48,6 +48,20 @@ Complaint invalid_covariance(const std::array<double, 4>& c) {
   return std::nullopt;
 }
 
+Complaint invalid_tilt(const BallImage& image) {
+  if (!image.equator_tilt_rad) return std::nullopt;
+  constexpr double kQuarterTurn = 1.5707963267948966;
+  if (bad(image.equator_tilt_rad, -kQuarterTurn, kQuarterTurn))
+    return "equator_tilt_rad: must be from -pi/2 to pi/2";
+  if (!image.equator_rad) return "equator_tilt_rad: needs equator_rad";
+  if (!image.equator_tilt_sd_rad) return "equator_tilt_rad: needs equator_tilt_sd_rad";
+  if (bad_sd_rad(image.equator_tilt_sd_rad)) return std::string("equator_tilt_sd_rad: ") + kAngleSdNeeded;
+  // Closer to one, the correlation is all rounding.
+  if (bad(image.equator_tilt_correlation, -1.0 + 1e-12, 1.0 - 1e-12))
+    return "equator_tilt_correlation: must be above -1 and below 1";
+  return std::nullopt;
+}
+
 Complaint invalid_image(const BallImage& image) {
   if (!within(image.time_s, -kLongest_s, kLongest_s)) return "time_s: must be from -1e9 to 1e9";
   if (!within(image.centre_px)) return std::string("centre_px: ") + kPointNeeded;
@@ -62,6 +76,7 @@ Complaint invalid_image(const BallImage& image) {
   if (bad(image.time_sd_s, 0.0, 1.0)) return "time_sd_s: must not be negative, nor above 1";
   if (bad_sd_px(image.diameter_sd_px)) return std::string("diameter_sd_px: ") + kLengthNeeded;
   if (bad_sd_rad(image.equator_sd_rad)) return std::string("equator_sd_rad: ") + kAngleSdNeeded;
+  if (const Complaint c = invalid_tilt(image)) return c;
   if (image.centre_cov_px2) {
     if (const Complaint c = invalid_covariance(*image.centre_cov_px2)) return "centre_cov_px2: " + *c;
   }
@@ -100,6 +115,10 @@ Complaint invalid_constants(const Frame& frame) {
   if (bad(frame.fastest_spin_radps, 1e-9, 1e9)) return "fastest_spin_radps: must be from 1e-9 to 1e9";
   if (bad(frame.ball_alpha_sd, 0.0, ball::kThinShellAlpha)) return "ball_alpha_sd: must be from 0 to 2/3";
   if (bad(frame.air_density_kgpm3, 0.0, 100.0)) return "air_density_kgpm3: must be from 0 to 100";
+  if (frame.lens) {
+    if (!within(frame.lens->distance_m, 0.01, 1e6)) return "lens.distance_m: must be from 0.01 to 1e6";
+    if (!within(frame.lens->foot_px)) return std::string("lens.foot_px: ") + kPointNeeded;
+  }
   if (frame.air_law) {
     if (const Complaint c = invalid_law(*frame.air_law)) return c;
   }

@@ -29,6 +29,14 @@ struct BallImage {
   PointPx centre_px;
   double diameter_px = 0.0;           ///< > 0
   std::optional<double> equator_rad;  ///< counter-clockwise from +x, modulo pi; absent: not seen
+  /// Of the plane that the line lies in, out of the line of sight, -pi/2 to pi/2: what is seen of the line is
+  /// displaced to the left of somebody who goes along it in the direction equator_rad. The same line is
+  /// (equator_rad + pi, -equator_tilt_rad). Its normal, with x right, y up and z from the ball to the lens,
+  /// is
+  /// (-sin e cos t, cos e cos t, -sin t). With an equator and its sd only; absent: not measured.
+  std::optional<double> equator_tilt_rad;
+  std::optional<double> equator_tilt_sd_rad;       ///< with equator_tilt_rad
+  std::optional<double> equator_tilt_correlation;  ///< with equator_rad, -1 to 1; absent: 0
   std::optional<double> time_sd_s;
   std::optional<int> flash_index;
   std::optional<std::array<double, 4>> centre_cov_px2;  ///< row-major 2x2; overrides Frame::centre_sd_px
@@ -52,6 +60,15 @@ struct MapError {
   };
   std::vector<Shift> images;        ///< one for each of the frame's
   std::vector<PointPx> surface_px;  ///< likewise
+};
+
+/// Where the camera's lens was: how what is nearer or farther than the plane that balls fly in is seen. In
+/// the photograph's px a point at a height z above that plane is seen away from the foot by 1 / (1 -
+/// z/distance). Of a frame that has one, centres and diameters are the spheres' own: that a ball aside of the
+/// axis is seen as an oval, larger by the root of the angle's inverse cosine, is undone.
+struct Lens {
+  double distance_m = 0.0;  ///< from the plane, 0.01 to 1e6
+  PointPx foot_px;          ///< where the perpendicular through the lens meets the plane
 };
 
 /// The session's record: free key-value notes (frame number, ball, surface, operator, remarks ...).
@@ -79,6 +96,7 @@ struct Frame {
                                    ///< where it is the better known
   std::optional<double>
       px_per_m_sd;  ///< 0: the calibrated scale is exact; absent: likewise, but the readout is flagged
+  std::optional<Lens> lens;  ///< calibrated; absent: unknown, or far away
   /// Of the calibration that made the coordinates; what they do to the scale is not in px_per_m_sd. At most
   /// 64.
   std::vector<MapError> map_errors;

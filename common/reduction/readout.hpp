@@ -195,10 +195,44 @@ struct Drop {
   DerivedNumber rebound_height_m;  ///< to which a ball rises that leaves with vy at lift-off
 };
 
+/// What a planar motion does not have. Axes of the surface, as for the other numbers: x along it in the
+/// direction of travel, y up from it, z towards the camera; spins are right-handed, so that omega_z is the
+/// spin of the other numbers. _td at touchdown, _lo at lift-off.
+enum class SpatialQuantity {
+  omega_x_td_radps,
+  omega_y_td_radps,
+  omega_z_td_radps,
+  spin_axis_tilt_td_deg,  ///< of the spin's axis against the camera's, 0 to 90
+  vz_td_mps,
+  omega_x_lo_radps,
+  omega_y_lo_radps,
+  omega_z_lo_radps,
+  spin_axis_tilt_lo_deg,
+  vz_lo_mps,
+  off_plane_mm  ///< of the centre from the calibrated plane at touchdown, towards the camera
+};
+inline constexpr std::array<std::string_view, 11> kSpatialNames{
+    "omega_x_td_radps", "omega_y_td_radps", "omega_z_td_radps", "spin_axis_tilt_td_deg", "vz_td_mps",
+    "omega_x_lo_radps", "omega_y_lo_radps", "omega_z_lo_radps", "spin_axis_tilt_lo_deg", "vz_lo_mps",
+    "off_plane_mm"};
+inline constexpr std::size_t kSpatialCount = kSpatialNames.size();
+constexpr std::string_view name(SpatialQuantity q) { return kSpatialNames[static_cast<std::size_t>(q)]; }
+
+/// Of a photograph whose lines' tilts or whose diameters tell it.
+struct Spatial {
+  std::array<std::optional<DerivedNumber>, kSpatialCount> number;  ///< absent: not told
+
+  std::optional<DerivedNumber>& operator[](SpatialQuantity q) { return number[static_cast<std::size_t>(q)]; }
+  const std::optional<DerivedNumber>& operator[](SpatialQuantity q) const {
+    return number[static_cast<std::size_t>(q)];
+  }
+};
+
 struct Readout : Numbers {
   int shot_id = 0;
-  std::optional<Drop> drop;      ///< absent unless both velocities are within kDropSlope of the vertical
-  std::optional<Launch> launch;  ///< only of a frame without a surface, which has no other numbers
+  std::optional<Spatial> spatial;  ///< absent where nothing of it is told
+  std::optional<Drop> drop;        ///< absent unless both velocities are within kDropSlope of the vertical
+  std::optional<Launch> launch;    ///< only of a frame without a surface, which has no other numbers
   std::optional<Regime> regime;
   bool court_pace_conforming = false;
   std::string method;  ///< "best", "two-point", "legacy"

@@ -15,6 +15,7 @@
 #include "common/reduction/propagate.hpp"
 #include "common/reduction/reduced_shot.hpp"
 #include "common/reduction/shot_fit.hpp"
+#include "common/reduction/spatial.hpp"
 #include "common/reduction/spin_check.hpp"
 #include "common/reduction/surface_check.hpp"
 
@@ -286,6 +287,32 @@ bool beyond_air_law(const Frame& frame, const Readout& readout) {
   return outside(readout.value[Quantity::v_td_mps]) || outside(readout.value[Quantity::v_lo_mps]);
 }
 
+/// As if its errors had been the map's from the beginning.
+void add_depth_doubt(const DepthFit& depth, const PropagationOptions& propagation, const Frame& frame,
+                     ReducedShot& shot) {
+  const auto doubt = depth_doubt(depth, frame, *shot.fit);
+  std::vector<ObservedMapError>& errors = shot.fit->observations.map_errors;
+  std::vector<ObservedMapError> of_map = std::exchange(errors, {doubt.begin(), doubt.end()});
+  Readout numbers;
+  add_map_errors(*shot.fit, propagation, propagate(*shot.fit, propagation, numbers), shot.readout);
+  of_map.insert(of_map.end(), doubt.begin(), doubt.end());
+  errors = std::move(of_map);
+}
+
+/// Once more in the plane where the third dimension asks for it; what it says joins the readout.
+void add_third_dimension(const PropagationOptions& propagation, const ReduceOptions& options,
+                         const Frame& frame, ReducedShot& shot) {
+  if (!shot.fit || !tells_third_dimension(frame)) return;
+  SpatialFit spatial = fit_spatial(frame, *shot.fit);
+  if (spatial.frame) shot.readout = best_readout(*spatial.frame, propagation, options, shot.fit);
+  if (shot.fit && spatial.depth && !spatial.depth->moves)
+    add_depth_doubt(*spatial.depth, propagation, frame, shot);
+  shot.readout.flags.merge(spatial.flags);
+  if (shot.fit) add_spatial(spatial, frame, *shot.fit, shot.readout);
+  withhold_doubtful(shot.readout);
+  if (spatial.frame) shot.in_plane = std::move(spatial.frame);
+}
+
 /// There is no surface to touch down on.
 void move_to_launch(const ReducedShot& shot, double first_image_s, Readout& readout) {
   if (readout.value == Quantities{}) return;
@@ -303,7 +330,7 @@ Result<Readout> reduce(const Frame& frame, Estimator estimator, const ReduceOpti
   auto shot = reduce_shot(frame, estimator, options);
   if (!shot) return tl::unexpected(shot.error());
   if (options.likely_cause && estimator == Estimator::best && shot->readout.value != Quantities{})
-    shot->readout.likely_cause = cause_of(frame, options, shot->readout.flags);
+    shot->readout.likely_cause = cause_of(shot->in_plane.value_or(frame), options, shot->readout.flags);
   if (frame.surface_px.empty() && !frame.images.empty())
     move_to_launch(*shot, frame.images.front().time_s, shot->readout);
   return std::move(shot->readout);
@@ -313,9 +340,15 @@ Result<ReducedShot> reduce_shot(const Frame& frame, Estimator estimator, const R
   assert(estimator != Estimator::legacy);
   if (const auto complaint = invalid_for(estimator, frame)) return fail(*complaint);
   ReducedShot shot;
+  if (frame.lens) shot.in_plane = seen_on_axis(frame);
+  const Frame& seen = shot.in_plane ? *shot.in_plane : frame;
   const PropagationOptions propagation{temperature_c(frame), options.covariance, options.by_time};
-  shot.readout = estimator == Estimator::two_point ? two_point_readout(frame, propagation, shot.fit)
-                                                   : best_readout(frame, propagation, options, shot.fit);
+  if (estimator == Estimator::two_point) {
+    shot.readout = two_point_readout(seen, propagation, shot.fit);
+  } else {
+    shot.readout = best_readout(seen, propagation, options, shot.fit);
+    add_third_dimension(propagation, options, seen, shot);
+  }
   if (beyond_air_law(frame, shot.readout)) shot.readout.flags.set(Flag::air_extrapolated);
   return shot;
 }

@@ -13,7 +13,8 @@ namespace strobe::reduction {
 
 struct ReducedShot {
   Readout readout;
-  std::optional<ShotFit> fit;  ///< absent: the frame has no surface line
+  std::optional<ShotFit> fit;     ///< absent: the frame has no surface line
+  std::optional<Frame> in_plane;  ///< what was fitted instead of the frame, see spatial.hpp
 };
 
 /// As reduce(), which see; not for the legacy estimator, which fits nothing.

@@ -28,27 +28,6 @@ double shortest_interval_s(const Observations& all) {
   return shortest;
 }
 
-/// The bounce adds no energy: v^2 + alpha (R omega)^2 does not grow, alpha being half or more.
-std::array<SpinSearch, 2> spin_search(const ShotFit& fit) {
-  const Observations& all = fit.observations;
-  const double interval_s = shortest_interval_s(all);
-  const double radius_m = all.ball.radius_m();
-  const std::array<double, 2> speed_mps{mean_speed_mps(all, 0), mean_speed_mps(all, 1)};
-  const double faster_mps = std::max(speed_mps[0], speed_mps[1]);
-  const double fastest_mps = all.fastest_spin_radps() * radius_m;
-  const double rebound_mps = std::hypot(fastest_mps, std::numbers::sqrt2 * faster_mps);
-  const double possible_mps = all.stated_fastest_radps ? 0.0 : kTearingRim_mps;
-  // A photograph in which the spin would fade away shows no ball in flight, and exponentials that overflow.
-  const double longest_m = faster_mps * (all.images.empty() ? 0.0 : all.images.back().time_s);
-  const bool decays = fit.spin_decay_per_m * longest_m < 1.0;
-  const double decay = decays ? fit.spin_decay_per_m : 0.0;
-  const double sd = decays ? fit.spin_decay_sd_per_m : 0.0;
-  const auto search = [&](double rim_mps, double speed) {
-    return SpinSearch{interval_s, rim_mps / radius_m, decay * speed, sd * speed, possible_mps / radius_m};
-  };
-  return {search(fastest_mps, speed_mps[0]), search(rebound_mps, speed_mps[1])};
-}
-
 /// Of a leg: equators that were seen, and are (not) in use.
 void read_equators(const ShotFit& fit, std::size_t leg, bool used, std::vector<EquatorReading>& readings) {
   for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
@@ -323,6 +302,27 @@ void orient(ShotFit& fit) {
 }
 
 }  // namespace
+
+/// The bounce adds no energy: v^2 + alpha (R omega)^2 does not grow, alpha being half or more.
+std::array<SpinSearch, 2> spin_search(const ShotFit& fit) {
+  const Observations& all = fit.observations;
+  const double interval_s = shortest_interval_s(all);
+  const double radius_m = all.ball.radius_m();
+  const std::array<double, 2> speed_mps{mean_speed_mps(all, 0), mean_speed_mps(all, 1)};
+  const double faster_mps = std::max(speed_mps[0], speed_mps[1]);
+  const double fastest_mps = all.fastest_spin_radps() * radius_m;
+  const double rebound_mps = std::hypot(fastest_mps, std::numbers::sqrt2 * faster_mps);
+  const double possible_mps = all.stated_fastest_radps ? 0.0 : kTearingRim_mps;
+  // A photograph in which the spin would fade away shows no ball in flight, and exponentials that overflow.
+  const double longest_m = faster_mps * (all.images.empty() ? 0.0 : all.images.back().time_s);
+  const bool decays = fit.spin_decay_per_m * longest_m < 1.0;
+  const double decay = decays ? fit.spin_decay_per_m : 0.0;
+  const double sd = decays ? fit.spin_decay_sd_per_m : 0.0;
+  const auto search = [&](double rim_mps, double speed) {
+    return SpinSearch{interval_s, rim_mps / radius_m, decay * speed, sd * speed, possible_mps / radius_m};
+  };
+  return {search(fastest_mps, speed_mps[0]), search(rebound_mps, speed_mps[1])};
+}
 
 std::vector<OtherSpin> faster_spins(const ShotFit& fit, std::size_t leg) {
   if (!fit.spin[leg]) return {};

@@ -48,6 +48,9 @@ struct FitOptions {
   bool spins_open = false;  ///< see ShotFit
 };
 
+/// Which spins of either leg are looked for.
+std::array<SpinSearch, 2> spin_search(const ShotFit& fit);
+
 /// Sets the flags outlier_image, sd_from_residuals and spin_aliased.
 ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags);
 

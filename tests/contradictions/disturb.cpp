@@ -248,6 +248,35 @@ double draw_air(Scene& scene, Random& random) {
   return std::abs(severity);
 }
 
+/// Of an axis up to 60 degrees off the camera's, no faster than what is told.
+double tilt_axis(Scene& scene, bool measured, Random& random) {
+  constexpr double kFarthest_rad = 60.0 * kDegree, kLineOut_sd_rad = 3.0 * kDegree;
+  double farthest_rad = 0.0;
+  const double omega[2] = {scene.impact.omega_radps, bounce(scene).lo.omega_radps};
+  for (int leg = 0; leg < 2; ++leg) {
+    double tilt_rad = random.within(0.0, kFarthest_rad);
+    const double told = scene.told_fastest_spin_radps.value_or(1e9) * (leg == 0 ? 1.0 : 1.2);
+    while (std::abs(omega[leg]) > told * std::cos(tilt_rad) && tilt_rad > 1e-3) tilt_rad *= 0.5;
+    const double direction = random.within(0.0, 2.0 * kPi);
+    scene.spin_x_ratio[leg] = std::tan(tilt_rad) * std::cos(direction);
+    scene.spin_y_ratio[leg] = std::tan(tilt_rad) * std::sin(direction);
+    farthest_rad = std::max(farthest_rad, tilt_rad);
+  }
+  scene.line_out_rad = kLineOut_sd_rad * random.normal();
+  scene.line_measured = measured;
+  return farthest_rad / kDegree;
+}
+
+double leave_plane(Scene& scene, Random& random) {
+  const double aside_rad = random.within(-5.0, 5.0) * kDegree;
+  scene.vz_mps[0] = std::tan(aside_rad) * scene.impact.vx_mps;
+  scene.vz_mps[1] = random.within(0.4, 1.0) * scene.vz_mps[0];
+  scene.lens_m = random.within(1.0, 3.0);
+  scene.told_px_per_m_sd = 5e-4 * scene.px_per_m;
+  scene.told_px_per_m = scene.px_per_m + *scene.told_px_per_m_sd * random.normal();
+  return std::abs(aside_rad) / kDegree;
+}
+
 double disturb_inclination(Scene& scene, Random& random) {
   const double severity = random.logarithmic(0.5, 15.0);
   scene.told_inclination_deg += severity * random.sign();
@@ -294,6 +323,11 @@ double disturb_scene(Kind kind, Scene& scene, Random& random) {
       return 100.0 * scene.spin_decay_per_m;
     case Kind::surface_angle:
       return disturb_inclination(scene, random);
+    case Kind::tilted_axis:
+    case Kind::tilted_axis_unmeasured:
+      return tilt_axis(scene, kind == Kind::tilted_axis, random);
+    case Kind::off_plane:
+      return leave_plane(scene, random);
     case Kind::wrong_leg:
       scene.labels = true;
       return 0.0;

@@ -58,6 +58,9 @@ constexpr std::array kExplanations{
     Explanation{Kind::air, {}},
     Explanation{Kind::fast_spin, {kMisfit, kOutlier}},
     Explanation{Kind::fast_spin_coded, {kMisfit, kOutlier}},
+    Explanation{Kind::tilted_axis, {kMisfit, kOutlier}},
+    Explanation{Kind::tilted_axis_unmeasured, {kMisfit, kOutlier}},
+    Explanation{Kind::off_plane, {kMisfit, kOutlier, kBall}},
 };
 static_assert(kExplanations.size() == kKindCount);
 

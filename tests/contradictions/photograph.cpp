@@ -1,5 +1,6 @@
 #include "tests/contradictions/photograph.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -97,6 +98,11 @@ class Camera {
     return {1500.0 + cos_ * x - sin_ * y, 600.0 + sin_ * x + cos_ * y};
   }
   double angle(double rad) const { return tilt_rad_ + side_ * rad; }
+  /// The normal of a plane, in axes of the photograph.
+  Eigen::Vector3d normal(const Eigen::Vector3d& n) const {
+    const double x = side_ * n.x();
+    return {cos_ * x - sin_ * n.y(), sin_ * x + cos_ * n.y(), n.z()};
+  }
 
  private:
   double px_per_m_, cos_, sin_, tilt_rad_, side_;
@@ -134,6 +140,48 @@ BallImage digitized(const Scene& scene, const Camera& camera, const Instant& ins
   image.diameter_sd_px = worse * s.diameter_px;
   image.equator_sd_rad = worse * s.equator_rad;
   return image;
+}
+
+/// The line of a ball that spins about another axis, in the place of the equator: the chord between its ends on the
+/// outline, and how far its plane is tilted out of the line of sight.
+void draw_line(const Scene& scene, const Camera& camera, const Instant& instant, const Bounce& b, double phase_rad,
+               BallImage& image, Random& random) {
+  const std::size_t leg = instant.leg == Leg::rebound ? 1 : 0;
+  const Motion& surface = leg == 0 ? b.td : b.lo;
+  const double turned_rad = instant.motion.angle_rad - phase_rad - surface.angle_rad;
+  const Eigen::Vector3d axis(scene.spin_x_ratio[leg], scene.spin_y_ratio[leg], 1.0);
+  const double start_rad = phase_rad + surface.angle_rad;
+  const Eigen::Vector3d drawn(-std::sin(start_rad) * std::cos(scene.line_out_rad),
+                              std::cos(start_rad) * std::cos(scene.line_out_rad), -std::sin(scene.line_out_rad));
+  const Eigen::Vector3d n =
+      camera.normal(Eigen::AngleAxisd(turned_rad * axis.norm(), axis.normalized()) * drawn);
+  const double tilt = -std::asin(n.z());
+  const double worse = image.equator_sd_rad.value_or(scene.stated.equator_rad);
+  const double factor = scene.true_over_stated.equator_rad;
+  // A line that becomes a ring tells its chord worse.
+  const double angle_sd = worse / std::max(std::cos(tilt), 0.2), tilt_sd = 1.5 * worse;
+  const double angle = std::atan2(-n.x(), n.y()) + factor * angle_sd * noise(scene, random);
+  const double wrapped = wrapped_half_turn(angle), read = tilt + factor * tilt_sd * noise(scene, random);
+  image.equator_rad = wrapped;
+  image.equator_sd_rad = angle_sd;
+  if (!scene.line_measured) return;
+  const bool turned = std::fmod(std::abs(std::round((angle - wrapped) / kPi)), 2.0) == 1.0;
+  image.equator_tilt_rad = std::clamp(turned ? -read : read, -0.5 * kPi, 0.5 * kPi);
+  image.equator_tilt_sd_rad = tilt_sd;
+}
+
+/// What the lens makes of a ball that is nearer than the plane.
+void see_in_perspective(const Scene& scene, const Instant& instant, const PointPx& foot, BallImage& image) {
+  // Slower and slower during the contact: the mean of both, from its middle on.
+  const double middle_s = 0.5 * scene.impact.dwell_s, since_s = instant.time_s - middle_s;
+  const double vz = instant.leg == Leg::contact ? 0.5 * (scene.vz_mps[0] + scene.vz_mps[1])
+                                               : scene.vz_mps[instant.leg == Leg::rebound ? 1 : 0];
+  const double half_s = instant.leg == Leg::contact ? 0.0 : std::copysign(middle_s, since_s);
+  const double mean = 0.5 * (scene.vz_mps[0] + scene.vz_mps[1]);
+  const double grown = 1.0 / (1.0 - (mean * half_s + vz * (since_s - half_s)) / scene.lens_m);
+  image.centre_px.x = foot.x + grown * (image.centre_px.x - foot.x);
+  image.centre_px.y = foot.y + grown * (image.centre_px.y - foot.y);
+  image.diameter_px *= grown;
 }
 
 /// Spread over both sides of the impact.
@@ -204,9 +252,15 @@ Photograph photograph(const Scene& scene, Random& random) {
   const double origin_s = random.within(0.0, 2.0);
   const double phase_rad = random.within(0.0, kPi);
   add_surface(scene, camera, p.frame, random);
+  const Bounce b = bounce(scene);
+  const bool tilted = scene.spin_x_ratio[0] != 0.0;
+  const PointPx foot = camera.place(0.05, 0.15);
+  if (scene.lens_m > 0.0) p.frame.lens = {scene.lens_m, foot};
   for (Instant& instant : instants(scene, random)) {
     instant.motion.angle_rad += phase_rad;
     BallImage image = digitized(scene, camera, instant, random);
+    if (tilted && instant.leg != Leg::contact) draw_line(scene, camera, instant, b, phase_rad, image, random);
+    if (scene.lens_m > 0.0) see_in_perspective(scene, instant, foot, image);
     image.time_s = origin_s + instant.time_s + scene.time_sd_s * random.normal();
     if (scene.time_sd_s > 0.0) image.time_sd_s = scene.time_sd_s;
     if (scene.flash_indices) image.flash_index = instant.flash;

@@ -128,6 +128,13 @@ struct Scene {
   double px_per_m = 3000.0, tilt_rad = 0.0;
   bool to_the_left = false;
   std::optional<double> told_px_per_m, told_px_per_m_sd;
+  // The third dimension, z towards the camera: spin across the camera's axis over that along it, before and after the
+  // bounce; the line's plane at the surface; velocity towards the lens, which is that far away (0: infinitely).
+  bool line_measured = false;
+  double spin_x_ratio[2] = {0.0, 0.0}, spin_y_ratio[2] = {0.0, 0.0};
+  double line_out_rad = 0.0;
+  double vz_mps[2] = {0.0, 0.0};
+  double lens_m = 0.0;
   int surface_points = 4;
   // Flash train.
   double period_s = 3e-3;

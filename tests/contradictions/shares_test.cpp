@@ -60,6 +60,9 @@ constexpr std::array kLimits{
     Limits{Kind::air, {0.2, 0}, {0.2, 0}},
     Limits{Kind::fast_spin, {0.2, 0}, {0.2, 0}},
     Limits{Kind::fast_spin_coded, {0.2, 0}, {0.2, 0}},
+    Limits{Kind::tilted_axis, {0.35, 0}, {0.2, 0}},
+    Limits{Kind::tilted_axis_unmeasured, {100, 0}, {100, 0}},
+    Limits{Kind::off_plane, {0.2, 0}, {0.2, 0}},
 };
 static_assert(kLimits.size() == kKindCount);
 

@@ -40,6 +40,9 @@ enum class Kind {
   air,
   fast_spin,
   fast_spin_coded,
+  tilted_axis,
+  tilted_axis_unmeasured,
+  off_plane,
 };
 
 struct KindInWords {
@@ -48,7 +51,7 @@ struct KindInWords {
 };
 
 /// In the order of Kind.
-inline constexpr std::array<KindInWords, 29> kKinds{{
+inline constexpr std::array<KindInWords, 32> kKinds{{
     {"none", "undisturbed"},
     {"unread_equators", "5-90 % of the equators unread, at random or every second or third"},
     {"long_period", "5-15 ms between flashes, spins up to 600 rad/s"},
@@ -78,6 +81,9 @@ inline constexpr std::array<KindInWords, 29> kKinds{{
     {"air", "drag, lift, the spin's decay and alpha drawn from their tolerances"},
     {"fast_spin", "spins up to 1,500 rad/s, of which nobody told, an even train of 1-6 ms"},
     {"fast_spin_coded", "likewise, a coded train"},
+    {"tilted_axis", "spins about axes up to 60 degrees off the camera's, other ones after the bounce, tilts of the line measured"},
+    {"tilted_axis_unmeasured", "likewise, tilts not measured"},
+    {"off_plane", "the ball comes nearer or goes away by up to 5 degrees, the lens 1-3 m away"},
 }};
 inline constexpr std::size_t kKindCount = kKinds.size();
 

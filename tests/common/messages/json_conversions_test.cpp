@@ -130,6 +130,15 @@ TEST(FrameJson, AnErrorNamesTheField) {
     CHECK_EQUAL(wrong, complaint(replaced(kExample, R"("shot_id":1)",
                                           R"("shot_id":1,"map_errors":)" + std::string(errors))));
   }
+  for (const auto& [lens, wrong] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"7", "lens: must be an object"},
+           {R"({"foot_px":[1,2]})", "lens.distance_m: is missing"},
+           {R"({"distance_m":"2","foot_px":[1,2]})", "lens.distance_m: must be a number"},
+           {R"({"distance_m":2})", "lens.foot_px: is missing"},
+           {R"({"distance_m":2,"foot_px":[1]})", "lens.foot_px: must be two numbers"}}) {
+    CHECK_EQUAL(wrong,
+                complaint(replaced(kExample, R"("shot_id":1)", R"("shot_id":1,"lens":)" + std::string(lens))));
+  }
   CHECK_EQUAL("record: must be an object", complaint(replaced(kExample, R"("shot_id":1)", R"("record":[])")));
   CHECK_EQUAL("images[0]: must be an object",
               complaint(R"({"ball_diameter_m":1,"surface_px":[[0,0],[1,0]],"images":[7]})"));
@@ -146,10 +155,11 @@ TEST(FrameJson, ReadingAndWritingGivesTheSameBytesOfEveryField) {
   const std::string text =
       R"({"shot_id":-2147483648,"ball_diameter_m":0.0651,"ball_diameter_sd_m":0.0008,"surface_px":[[0.5,1.0],[10.0,1.5]],)"
       R"("surface_sd_px":1.5,"centre_sd_px":2.0,"diameter_sd_px":3.0,"equator_sd_rad":0.017,"px_per_m":4000.0,)"
-      R"("px_per_m_sd":8.0,"map_errors":[{"surface_px":[[0.5,0.0],[1.0,0.0]],"images":[[0.25,0.5,0.125,1e-05]]},)"
+      R"("px_per_m_sd":8.0,"lens":{"distance_m":1.25,"foot_px":[640.0,-0.5]},"map_errors":[{"surface_px":[[0.5,0.0],[1.0,0.0]],"images":[[0.25,0.5,0.125,1e-05]]},)"
       R"({"surface_px":[],"images":[]}],"surface_angle_deg":-2.5,"temperature_c":21.0,"ball_mass_kg":0.058,"ball_alpha":0.5,"ball_alpha_sd":0.02,)"
       R"("air_density_kgpm3":1.1,"record":{"dry":"true","n":"12","operator":"Ä"},"images":[)"
       R"({"time_s":0.25,"leg":"incoming","centre_px":[1.0,2.0],"diameter_px":260.0,"equator_rad":0.30000000000000004,)"
+      R"("equator_tilt_rad":-0.25,"equator_tilt_sd_rad":0.0078125,"equator_tilt_correlation":0.5,)"
       R"("time_sd_s":1e-06,"flash_index":2147483647,"centre_cov_px2":[[4.0,1.0],[2.0,9.0]],"diameter_sd_px":2.0,)"
       R"("equator_sd_rad":0.02,"top_px":[3.0,9.0],"contact_width_px":30.0,"source":"hand"},)"
       R"({"time_s":0.5,"leg":"contact","centre_px":[3.0,4.0]},)"
@@ -284,6 +294,26 @@ TEST(ReadoutJson, HasALaunchOrALikelyCauseOnlyWhereThereIsOne) {
   CHECK_TRUE(object["launch"]["omega_radps"].is_null() && object["launch"]["sd"]["angle_deg"].is_null());
   // 1.96 sd hold 95 % of normal errors.
   DOUBLES_EQUAL(0.98, object["launch"]["expanded_uncertainty"]["speed_mps"].get<double>(), 1e-4);
+}
+
+TEST(ReadoutJson, HasTheThirdDimensionOnlyWhereSomethingOfItIsTold) {
+  using reduction::SpatialQuantity;
+  Readout r = example();
+  CHECK_FALSE(json::parse(readout_to_json(r)).contains("spatial"));
+  reduction::Spatial& spatial = r.spatial.emplace();
+  spatial[SpatialQuantity::omega_x_td_radps] = {-40.0, 0.5, 0.25};
+  spatial[SpatialQuantity::off_plane_mm] = {3.0, 2.0, 0.0};
+  const json object = json::parse(readout_to_json(r))["spatial"];
+  CHECK_EQUAL(-40.0, object["omega_x_td_radps"].get<double>());
+  CHECK_EQUAL(0.5, object["sd"]["omega_x_td_radps"].get<double>());
+  CHECK_EQUAL(0.25, object["sd_systematic"]["omega_x_td_radps"].get<double>());
+  CHECK_EQUAL(3.0, object["off_plane_mm"].get<double>());
+  for (const auto key : reduction::kSpatialNames) {
+    const std::string name(key);
+    CHECK_TRUE(object.contains(name) && object["sd"].contains(name) &&
+               object["sd_systematic"].contains(name));
+  }
+  CHECK_TRUE(object["vz_lo_mps"].is_null() && object["sd"]["vz_lo_mps"].is_null());
 }
 
 TEST(ReadoutJson, NamesTheFlashesOfAMatchedPhotographAndTheirMisassignmentProbability) {

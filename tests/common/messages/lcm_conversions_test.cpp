@@ -50,6 +50,8 @@ Frame example_frame() {
   frame.images[2].diameter_sd_px = 0.125;
   frame.images[2].equator_rad = 0.5;
   frame.images[2].equator_sd_rad = 0.0625;
+  frame.images[2].equator_tilt_rad = -0.25, frame.images[2].equator_tilt_sd_rad = 0.03125;
+  frame.images[2].equator_tilt_correlation = 0.5;
   frame.images[1].contact_width_px = 88.5;
   frame.images[3].leg = Leg::rebound;
   return frame;
@@ -125,6 +127,10 @@ TEST(FrameMessage, IsCheckedFieldByField) {
   refused("images[1].diameter_px: must be positive", [](M& m) { m.images[1].diameter_px = -1.0; });
   refused("images[1].equator_rad: must be finite, or NaN for not seen",
           [](M& m) { m.images[1].equator_rad = -INFINITY; });
+  refused("images[2].equator_tilt_rad: must be finite, or NaN for not seen",
+          [](M& m) { m.images[2].equator_tilt_rad = INFINITY; });
+  refused("images[2].equator_tilt_correlation: must be finite, or NaN for not seen",
+          [](M& m) { m.images[2].equator_tilt_correlation = INFINITY; });
   refused("images[0].leg: unknown leg 9", [](M& m) { m.images[0].leg = 9; });
   refused("images[0].source: unknown source 3", [](M& m) { m.images[0].source = 3; });
   refused(definite, [](M& m) { m.images[2].centre_xy_px2 = std::sqrt(0.01) * std::sqrt(0.02); });
@@ -139,6 +145,8 @@ TEST(FrameMessage, IsCheckedFieldByField) {
   };
   positive("images[2].diameter_sd_px", [](M& m) -> double& { return m.images[2].diameter_sd_px; });
   positive("images[2].equator_sd_rad", [](M& m) -> double& { return m.images[2].equator_sd_rad; });
+  positive("images[2].equator_tilt_sd_rad",
+           [](M& m) -> double& { return m.images[2].equator_tilt_sd_rad; });
   positive("images[1].contact_width_px", [](M& m) -> double& { return m.images[1].contact_width_px; });
   positive("centre_sd_px", [](M& m) -> double& { return m.centre_sd_px; });
   positive("diameter_sd_px", [](M& m) -> double& { return m.diameter_sd_px; });
@@ -149,7 +157,7 @@ TEST(FrameMessage, IsCheckedFieldByField) {
   refused("px_per_m: must be positive, or NaN for unknown", [](M& m) { m.px_per_m = 0.0; });
   refused("surface[1]: must be two finite numbers", [](M& m) { m.surface[1].x_px = INFINITY; });
   refused("surface[0]: must be two finite numbers", [](M& m) { m.surface[0].y_px = kNone; });
-  refused("schema_version: is 1, known is 2", [](M& m) { m.schema_version = 1; });
+  refused("schema_version: is 1, known is 3", [](M& m) { m.schema_version = 1; });
   const char* const counts = "surface_count, image_count: do not fit the arrays";
   refused(counts, [](M& m) { m.image_count = 1000; });
   refused(counts, [](M& m) { m.surface_count = 3; });

@@ -5,12 +5,14 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <strobe_msgs/ball_image_2_t.hpp>
 #include <strobe_msgs/ball_image_t.hpp>
 #include <strobe_msgs/coded_flash_t.hpp>
 #include <strobe_msgs/command_t.hpp>
 #include <strobe_msgs/earlier_boot_t.hpp>
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/flash_t.hpp>
+#include <strobe_msgs/frame_2_t.hpp>
 #include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/histogram_t.hpp>
 #include <strobe_msgs/note_t.hpp>
@@ -126,6 +128,42 @@ TEST(ChecksOfMessages, AnotherTypesFingerprintIsRefused) {
   CHECK_FALSE(decode_checked(shot, bytes.data(), bytes.size()));
 }
 
+// Every number another one, so that no two can be taken for each other.
+TEST(ChecksOfMessages, AFrameOfBeforeItsImagesHadATiltIsRead) {
+  frame_2_t former{};
+  former.schema_version = frame_2_t::SCHEMA_VERSION;
+  former.boot_id = 1, former.shot_id = 2, former.host_id = 3;
+  former.source = "hand", former.photograph = "a.tif";
+  former.centre_sd_px = 4, former.diameter_sd_px = 5, former.surface_sd_px = 6, former.equator_sd_rad = 7;
+  former.px_per_m = 8, former.px_per_m_sd = 9;
+  former.surface.resize(2), former.surface_count = 2;
+  former.surface[1].y_px = 10;
+  former.images.resize(2), former.image_count = 2;
+  auto& image = former.images[1];
+  image.leg = 1, image.source = 2, image.centre_x_px = 11, image.centre_y_px = 12;
+  image.centre_xx_px2 = 13, image.centre_xy_px2 = 14, image.centre_yy_px2 = 15, image.diameter_px = 16;
+  image.diameter_sd_px = 17, image.equator_rad = 18, image.equator_sd_rad = 19;
+  image.top_x_px = 20, image.top_y_px = 21, image.contact_width_px = 22;
+  auto bytes = encoded(former);
+  frame_t frame;
+  CHECK_TRUE(decode_checked(frame, bytes.data(), bytes.size()));
+  LONGS_EQUAL(frame_t::SCHEMA_VERSION, frame.schema_version);
+  CHECK_TRUE(std::isnan(frame.images[1].equator_tilt_rad) &&
+             std::isnan(frame.images[1].equator_tilt_sd_rad) &&
+             std::isnan(frame.images[1].equator_tilt_correlation));
+  // The former bytes again, where each new image has three numbers less at its end.
+  const auto now = encoded(frame);
+  constexpr std::size_t kImage = 98, kTilt = 24, kHead = 12;  // fingerprint and version
+  std::vector<std::uint8_t> without(now.begin(), now.end() - 2 * (kImage + kTilt));
+  for (auto at = now.end() - 2 * (kImage + kTilt); at != now.end(); at += kImage + kTilt)
+    without.insert(without.end(), at, at + kImage);
+  CHECK_TRUE(std::equal(without.begin() + kHead, without.end(), bytes.begin() + kHead, bytes.end()));
+  // Of another version it is nobody's.
+  former.schema_version = 1;
+  bytes = encoded(former);
+  CHECK_FALSE(decode_checked(frame, bytes.data(), bytes.size()));
+}
+
 TEST(ChecksOfMessages, NumbersAtTheirLimitsAreInRangeAndBeyondThemNot) {
   const auto with_time = [](std::int64_t ns) {
     event_t event{};
@@ -196,13 +234,15 @@ struct Pin {
 
 const std::map<std::string, Pin>& pins() {
   static const std::map<std::string, Pin> table{
-      {"ball_image_t", {strobe_msgs::ball_image_t::getHash(), 0xc4e7715c496d5f93}},
+      {"ball_image_t", {strobe_msgs::ball_image_t::getHash(), 0x658f8967f56e96db}},
+      {"ball_image_2_t", {strobe_msgs::ball_image_2_t::getHash(), 0xc4e7715c496d5f93}},
       {"coded_flash_t", {strobe_msgs::coded_flash_t::getHash(), 0xca8d3fdb380ff32a}},
       {"command_t", {strobe_msgs::command_t::getHash(), 0x93f0d571328d2e0d}},
       {"earlier_boot_t", {strobe_msgs::earlier_boot_t::getHash(), 0x27c50a9305638140}},
       {"event_t", {strobe_msgs::event_t::getHash(), 0x5d73a8136a3a7405}},
       {"flash_t", {strobe_msgs::flash_t::getHash(), 0x6bcbfe82d3bd0204}},
-      {"frame_t", {strobe_msgs::frame_t::getHash(), 0xa3be7c3c948983f8}},
+      {"frame_2_t", {strobe_msgs::frame_2_t::getHash(), 0xa3be7c3c948983f8}},
+      {"frame_t", {strobe_msgs::frame_t::getHash(), 0xe50eac53ec8bf289}},
       {"histogram_t", {strobe_msgs::histogram_t::getHash(), 0x2ce6f085294c452f}},
       {"note_t", {strobe_msgs::note_t::getHash(), 0x2eae802baa5ddbbd}},
       {"plan_t", {strobe_msgs::plan_t::getHash(), 0x0b742a0ba6b4a4e8}},

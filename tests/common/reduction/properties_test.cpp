@@ -569,8 +569,15 @@ TEST(FrameLimits, IdenticalImagesAndExactDataGiveNoSpreadAndNoCrash) {
   DOUBLES_EQUAL(0.0, *r->sd[Quantity::e], 1e-7);
   DOUBLES_EQUAL(0.0, *r->sd[Quantity::omega_td_radps], 1e-6);
   // A ball that stands still, and one whose images are all one.
-  for (BallImage& image : frame.images)
-    image = {image.time_s, image.leg, {0, 500}, 260.0, 0.3, {}, {}, {}, {}, {}, {}, {}, ""};
+  for (BallImage& image : frame.images) {
+    BallImage same;
+    same.time_s = image.time_s;
+    same.leg = image.leg;
+    same.centre_px = {0, 500};
+    same.diameter_px = 260.0;
+    same.equator_rad = 0.3;
+    image = same;
+  }
   STRCMP_EQUAL("", tried(frame).c_str());
   const auto still = reduce(frame, Estimator::best);
   CHECK_TRUE(still->flags.has(Flag::degenerate_geometry));
