@@ -156,6 +156,9 @@ int effects_command(const EffectsOptions& options) {
   if (!tolerance) return report_error(tolerance.error().message, 2);
   auto full = make_shooter(options, *scene, Model::full(), options.settings());
   if (!full) return report_error(full.error().message, 2);
+  if (!scene->machine.planar())
+    fmt::print(stderr, "strobe-sim: {}: {}; they cannot be left out\n", scene->name,
+               refusal_in_space(*scene, Model::none()).value_or(""));
   ModelChooser chooser(*scene, options.settings());
   Study study{.scene = *scene,
               .choice = chooser.choose(*tolerance),

@@ -76,6 +76,8 @@ int shoot_command(const ShootOptions& options) {
   const auto asked = parse_model(options.model);
   if (!asked) return report_error("--model: " + asked.error().message, 2);
   Model model = *asked;
+  if (const auto refusal = refusal_in_space(*scene, model); refusal && !scene->machine.planar())
+    return report_error("--model: " + *refusal, 2);
   ShootSettings settings = options.settings();
   settings.perfect_digitizer = options.perfect_digitizer;
   if (const auto full = make_shooter(options, *scene, model, settings); !full)

@@ -31,7 +31,8 @@ struct Extremes {
     dwell_s = std::min(1.5 * b.dwell_s, b.dwell_s + kLargestNormal * b.dwell_sd_s);
     // At lift-off no more than friction and the offset at their limits add.
     const double lever = b.mu + kLargestNormal * b.mu_sd + 1.0;
-    spin_radps = std::abs(m.spin_radps) + kLargestNormal * m.spin_sd_radps +
+    spin_radps = std::hypot(m.spin_radps, m.sidespin_radps, m.gyrospin_radps) +
+                 kLargestNormal * std::hypot(m.spin_sd_radps, m.sidespin_sd_radps, m.gyrospin_sd_radps) +
                  lever * 2.0 * vy_mps / (scene.ball.alpha * scene.ball.radius_m());
     const double along_mps = speed_mps * std::cos(m.angle_rad);
     leg_s = std::min(kLongestLeg_s, 1.2 * scene.camera.half_width_m / std::max(along_mps, 1e-3));

@@ -213,16 +213,19 @@ void read_ball(TomlTable& root, const std::filesystem::path& folder, Scene& scen
 
 namespace {
 
+constexpr Range kSpin_radps{-1000.0, 1000.0};
+constexpr Range kSpinSd_radps{0.0, 200.0};
+
 void read_drop(TomlTable& table, Scene& scene) {
   MachineSettings& m = scene.machine;
-  for (const std::string_view key : {"speed_mps", "angle_deg"})
+  for (const std::string_view key : {"speed_mps", "angle_deg", "lateral_deg", "lateral_sd_deg"})
     if (table.has(key)) table.error_at(key, "excludes machine.drop_height_m");
   m.drop_height_m = table.number("drop_height_m", {0.06, 20.0});
   const VerticalFlight fall = falling(scene, m.drop_height_m);
   m.speed_mps = fall.speed_mps;
   m.lag_s = fall.time_s;
   m.angle_rad = -90.0 * kDegree;
-  m.spin_radps = table.number_or("spin_radps", 0.0, {-1000.0, 1000.0});
+  m.spin_radps = table.number_or("spin_radps", 0.0, kSpin_radps);
 }
 
 }  // namespace
@@ -235,11 +238,17 @@ void read_machine(TomlTable& root, Scene& scene) {
   } else {
     m.speed_mps = table.number("speed_mps", {1.0, 60.0});
     m.angle_rad = table.number("angle_deg", {-90.0, -5.0}) * kDegree;
-    m.spin_radps = table.number("spin_radps", {-1000.0, 1000.0});
+    m.spin_radps = table.number("spin_radps", kSpin_radps);
+    m.lateral_rad = table.number_or("lateral_deg", 0.0, {-45.0, 45.0}) * kDegree;
+    m.lateral_sd_rad = table.number_or("lateral_sd_deg", 0.0, {0.0, 10.0}) * kDegree;
   }
   m.speed_sd_mps = table.number_or("speed_sd_mps", 0.0, {0.0, 5.0});
   m.angle_sd_rad = table.number_or("angle_sd_deg", 0.0, {0.0, 10.0}) * kDegree;
-  m.spin_sd_radps = table.number_or("spin_sd_radps", 0.0, {0.0, 200.0});
+  m.spin_sd_radps = table.number_or("spin_sd_radps", 0.0, kSpinSd_radps);
+  m.sidespin_radps = table.number_or("sidespin_radps", 0.0, kSpin_radps);
+  m.sidespin_sd_radps = table.number_or("sidespin_sd_radps", 0.0, kSpinSd_radps);
+  m.gyrospin_radps = table.number_or("gyrospin_radps", 0.0, kSpin_radps);
+  m.gyrospin_sd_radps = table.number_or("gyrospin_sd_radps", 0.0, kSpinSd_radps);
   m.lag_s = table.number_or("lag_ms", m.lag_s / kMilli, {1.0, 10000.0}) * kMilli;
   m.lag_sd_s = table.number_or("lag_sd_ms", m.lag_sd_s / kMilli, {0.0, 1000.0}) * kMilli;
   m.spot_sd_m = table.number_or("spot_sd_mm", m.spot_sd_m / kMilli, {0.0, 1000.0}) * kMilli;

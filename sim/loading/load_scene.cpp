@@ -38,7 +38,10 @@ struct Way {
 const std::vector<std::vector<Way>>& alternatives() {
   static const std::vector<std::vector<Way>> all{
       {{{{"machine", "speed_mps"}, {"machine", "angle_deg"}},
-        {{"machine", "spin_radps"}, {"machine", "lag_ms"}}},
+        {{"machine", "spin_radps"},
+         {"machine", "lag_ms"},
+         {"machine", "lateral_deg"},
+         {"machine", "lateral_sd_deg"}}},
        {{{"machine", "drop_height_m"}}}},
       {{{{"bounce", "e"}}}, {{{"bounce", "rebound_height_m"}}}},
       {{{{"bounce", "e"}, {"bounce", "rebound_height_m"}, {"bounce", "dwell_ms"}},

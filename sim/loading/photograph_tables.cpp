@@ -100,7 +100,8 @@ BallAppearanceSettings read_ball_appearance(TomlTable table, const std::optional
   b.line = table.boolean_or("line", marking == balls::Marking::line);
   b.line_width_m = scaled(table, "line_width_mm", {0.3, 15.0}, kMilli);
   b.line_contrast = table.optional_number("line_contrast", {0.0, 1.0});
-  b.line_tilt_rad = scaled(table, "line_tilt_deg", {-30.0, 30.0}, kDegree);
+  b.line_tilt_rad = scaled(table, "line_tilt_deg", {-75.0, 75.0}, kDegree);
+  b.line_offset = table.number_or("line_offset", 0.0, {-0.1, 0.1});
   b.grain = table.optional_number("grain", {0.0, 0.5});
   b.albedo = table.optional_number("albedo", {0.02, 2.0});
   b.shine = table.optional_number("shine", {0.0, 2.0});

@@ -143,6 +143,8 @@ TabletSettings read_tablet(TomlTable table) {
   TabletSettings t;
   t.centre_sd_m = table.number_or("centre_sd_mm", t.centre_sd_m / kMilli, {0.0, 50.0}) * kMilli;
   t.equator_sd_rad = table.number_or("equator_sd_deg", t.equator_sd_rad / kDegree, {0.0, 45.0}) * kDegree;
+  if (const auto tilt_sd_deg = table.optional_number("equator_tilt_sd_deg", Range{0.001, 45.0}))
+    t.equator_tilt_sd_rad = *tilt_sd_deg * kDegree;
   t.digitize_delay_s = table.number_or("digitize_delay_s", t.digitize_delay_s, {0.0, 3600.0});
   t.visible_flattening_m =
       table.number_or("visible_flattening_mm", t.visible_flattening_m / kMilli, {0.0, 20.0}) * kMilli;

@@ -1,7 +1,8 @@
 // The true path of one ball: flight to the surface, contact, flight away from it, and so on for as many
 // bounces as the scene says. Touchdown, lift-off, rebound and dwell are the first bounce's. Readouts are
 // compared with it; it shares no code with the reduction. Axes of the surface: x along it in the direction of
-// travel, y up from it, origin under the centre at touchdown; spin counter-clockwise (backspin) positive.
+// travel, y up from it, z towards the camera, origin under the centre at touchdown; spins right-handed,
+// omega_radps is the one about z (backspin positive).
 // Touchdown and lift-off: the centre is one radius above the surface. Plain values, thread-safe.
 #pragma once
 
@@ -27,6 +28,18 @@ struct BallState {
   double omega_radps = 0.0;
   double equator_rad = 0.0;
   double top_drop_m = 0.0;  ///< by how much the ball's top is nearer to the surface than one diameter, >= 0
+  // Of a shot that is not planar:
+  double z_m = 0.0;  ///< towards the camera, from the plane in which the ball touched down
+  double vz_mps = 0.0;
+  double omega_x_radps = 0.0, omega_y_radps = 0.0;
+  /// Since touchdown, besides equator_rad, which then stays. The ball's own axes, in which the line lies near
+  /// x and z, are turned by equator_rad about z, then by this.
+  Turn turned = Turn::Identity();
+
+  Eigen::Matrix3d attitude() const {
+    return turned.toRotationMatrix() *
+           Eigen::AngleAxisd(equator_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  }
 };
 
 class BallPath {
@@ -67,6 +80,11 @@ class BallPath {
   /// Whether the ball has met the surface a second time by then.
   bool bounced_again(double time_s) const { return next_ && time_s >= next_at_s_; }
 
+  /// Whether the ball stays in its plane and spins across it.
+  bool planar() const { return conditions_.planar(); }
+  const ShotConditions& conditions() const { return conditions_; }
+  const LiftOff& lift_off() const { return contact_.lift_off(); }
+
   const impact::Motion& touchdown() const { return conditions_.touchdown; }
   const impact::Rebound& rebound() const { return contact_.lift_off().rebound; }
   double dwell_s() const { return contact_.lift_off().dwell_s; }
@@ -82,6 +100,7 @@ class BallPath {
   BallPath(const Scene& scene, const ShotConditions& thrown, const Model& model, ContactPath contact);
   BallState contact_at(double time_s) const;
   BallState in_flight(const FlightState& s, bool rebounding) const;
+  Flight flight_from(const Scene& scene, const Model& model, bool rebounding) const;
   std::array<BallState, 4> at(const Flight::Instants& time_s) const;
   void bounce_again(const Scene& scene, const Model& model, const ReducedContact* reduced, int times);
 
@@ -93,7 +112,8 @@ class BallPath {
   Flight departure_;  ///< from lift-off on
   /// From the next touchdown on, in its own time and place; empty: there is none.
   std::shared_ptr<const BallPath> next_;
-  double next_at_s_ = 0.0, next_x_m_ = 0.0;
+  double next_at_s_ = 0.0, next_x_m_ = 0.0, next_z_m_ = 0.0;
+  Turn next_turned_ = Turn::Identity();
 };
 
 }  // namespace strobe::sim

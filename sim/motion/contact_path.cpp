@@ -7,6 +7,7 @@
 #include "common/flight/gravity.hpp"
 #include "common/impact/ode/normal_spring.hpp"
 
+#include "sim/motion/spatial_course.hpp"
 #include "sim/random/draws.hpp"
 
 namespace strobe::sim {
@@ -51,21 +52,17 @@ impact::ContactOptions contact_options(const Model& model,
   return {.method = method, .tolerance = model.contact_tolerance()};
 }
 
-struct OdeInput {
-  impact::ContactCoefficients coefficients;
-  double still_compressed_s = 0.0;  ///< depth at release over the release speed
-};
+}  // namespace
 
-Result<OdeInput> ode_input(const Scene& scene, const ShotConditions& thrown, const Model& model) {
+Result<MechanicsInput> mechanics_input(const Scene& scene, const ShotConditions& thrown, const Model& model) {
   const auto unit = impact::normal_spring(scene.ball.mass_kg, thrown.coefficients.e, 1.0);
   if (!unit) return refused(unit.error());
   const auto c = ode_coefficients(scene, thrown, model, *unit);
-  return OdeInput{c, 2.0 * unit->damping_ratio / unit->frequency_radps * c.dwell_s};
+  return MechanicsInput{c, 2.0 * unit->damping_ratio / unit->frequency_radps * c.dwell_s};
 }
 
-/// From release, moving freely, to the centre at R.
-Result<LiftOff> rise(const Scene& scene, const impact::Motion& td, const impact::ContactLiftOff& release,
-                     double depth_m, const impact::ContactCoefficients& coefficients) {
+Result<LiftOff> risen(const Scene& scene, const impact::Motion& td, const impact::ContactLiftOff& release,
+                      double depth_m, const impact::ContactCoefficients& coefficients) {
   const double gravity_mps2 = coefficients.gravity_mps2, along_mps2 = coefficients.gravity_along_mps2;
   LiftOff end;
   impact::Motion& lo = end.rebound.lift_off;
@@ -90,6 +87,8 @@ Result<LiftOff> rise(const Scene& scene, const impact::Motion& td, const impact:
                          impulse;
   return end;
 }
+
+namespace {
 
 /// Friction against the slip as far as `mu` allows, up to what leaves -ex times the slip; a normal force
 /// `offset_m` ahead of the centre; a weight along the surface that adds `pull_mps` to vx.
@@ -161,6 +160,16 @@ bool ode_is_asked(const Scene& scene, const Model& model) {
 constexpr double kMinStiffnessRatio = 0.01;
 constexpr double kMinRestitution = 0.05, kMaxRestitution = 0.99;
 
+/// Turns the way along the surface out of the plane, and adds the spins that are not across it.
+void throw_aside(const MachineSettings& m, Draws draws, ShotConditions& t) {
+  const double along_mps = t.touchdown.vx_mps;
+  const double lateral_rad = draws.normal(m.lateral_rad, m.lateral_sd_rad);
+  t.touchdown.vx_mps = along_mps * std::cos(lateral_rad);
+  t.vz_mps = along_mps * std::sin(lateral_rad);
+  t.omega_y_radps = draws.normal(m.sidespin_radps, m.sidespin_sd_radps);
+  t.omega_x_radps = draws.normal(m.gyrospin_radps, m.gyrospin_sd_radps);
+}
+
 }  // namespace
 
 ShotConditions draw_shot_conditions(const Scene& scene, std::uint64_t seed, int shot) {
@@ -178,6 +187,7 @@ ShotConditions draw_shot_conditions(const Scene& scene, std::uint64_t seed, int 
   t.lag_s = std::max(0.001, machine.normal(m.lag_s, m.lag_sd_s));
   t.spot_m = machine.normal(0.0, m.spot_sd_m);
   t.equator_rad = machine.uniform() * std::numbers::pi;
+  if (!m.planar()) throw_aside(m, Draws(seed, Purpose::out_of_plane, number), t);
   t.off_plane_m = Draws(seed, Purpose::off_plane, number).normal(0.0, scene.camera.off_plane_sd_m);
 
   Draws bounce(seed, Purpose::bounce, number);
@@ -208,6 +218,7 @@ ShotConditions conditions_of_next_bounce(const Scene& scene, const ShotCondition
 Scene without_spread(Scene scene) {
   MachineSettings& m = scene.machine;
   m.speed_sd_mps = m.angle_sd_rad = m.spin_sd_radps = m.lag_sd_s = m.spot_sd_m = 0.0;
+  m.lateral_sd_rad = m.sidespin_sd_radps = m.gyrospin_sd_radps = 0.0;
   BounceSettings& b = scene.bounce;
   b.e_sd = b.mu_sd = b.dwell_sd_s = b.ex_sd = b.stiffness_ratio_sd = 0.0;
   b.offset_sd_m = b.offset_share_sd = 0.0;
@@ -221,13 +232,13 @@ bool needs_calibration(const Scene& scene, const Model& model) {
 
 Result<LiftOff> ode_lift_off(const Scene& scene, const ShotConditions& thrown, const Model& model,
                              impact::ContactMethod method) {
-  const auto input = ode_input(scene, thrown, model);
+  const auto input = mechanics_input(scene, thrown, model);
   if (!input) return tl::unexpected(input.error());
   const auto release =
       impact::lift_off(scene.ball, thrown.touchdown, input->coefficients, contact_options(model, method));
   if (!release) return refused(release.error());
-  return rise(scene, thrown.touchdown, *release, input->still_compressed_s * release->lift_off.vy_mps,
-              input->coefficients);
+  return risen(scene, thrown.touchdown, *release, input->still_compressed_s * release->lift_off.vy_mps,
+               input->coefficients);
 }
 
 Result<ReducedContact> calibrate(const Scene& scene, const Model& model) {
@@ -295,6 +306,7 @@ LiftOff SinePath::plain_end() const {
 
 Result<ContactPath> ContactPath::make(const Scene& scene, const ShotConditions& thrown, const Model& model,
                                       const ReducedContact* reduced) {
+  if (!thrown.planar()) return in_space(scene, thrown, model);
   if (scene.bounce.contact == ContactLaw::grip) {
     const auto end = grip_lift_off(scene, thrown, model);
     return end ? by_sine(scene, thrown, *end) : tl::unexpected(end.error());
@@ -317,7 +329,7 @@ Result<ContactPath> ContactPath::make(const Scene& scene, const ShotConditions& 
 
 Result<ContactPath> ContactPath::by_ode(const Scene& scene, const ShotConditions& thrown,
                                         const Model& model) {
-  const auto input = ode_input(scene, thrown, model);
+  const auto input = mechanics_input(scene, thrown, model);
   if (!input) return tl::unexpected(input.error());
   auto ode =
       impact::ContactCourse::make(scene.ball, thrown.touchdown, input->coefficients, contact_options(model));
@@ -327,7 +339,7 @@ Result<ContactPath> ContactPath::by_ode(const Scene& scene, const ShotConditions
   path.release_ = {release.dwell_s, release.lift_off.vy_mps,
                    input->still_compressed_s * release.lift_off.vy_mps, input->coefficients.gravity_mps2,
                    input->coefficients.gravity_along_mps2};
-  const auto end = rise(scene, thrown.touchdown, release, path.release_.depth_m, input->coefficients);
+  const auto end = risen(scene, thrown.touchdown, release, path.release_.depth_m, input->coefficients);
   if (!end) return tl::unexpected(end.error());
   path.end_ = *end;
   path.ode_ = std::move(*ode);
@@ -347,7 +359,28 @@ Result<ContactPath> ContactPath::by_sine(const Scene& scene, const ShotCondition
   return path;
 }
 
-ContactPath::State ContactPath::at(double time_s) const { return ode_ ? ode_at(time_s) : sine_at(time_s); }
+std::optional<std::string> refusal_in_space(const Scene& scene, const Model& model) {
+  const bool ode = scene.bounce.contact == ContactLaw::ode;
+  const bool whole = !ode || (model.has(Effect::tangential_compliance) && model.has(Effect::contact_ode));
+  if (whole && model.has(Effect::grip)) return std::nullopt;
+  return std::string("a contact out of the plane needs grip") +
+         (ode ? ", tangential_compliance and contact_ode" : "");
+}
+
+Result<ContactPath> ContactPath::in_space(const Scene& scene, const ShotConditions& thrown,
+                                          const Model& model) {
+  if (const auto refusal = refusal_in_space(scene, model)) return fail("model: " + *refusal);
+  auto course = SpatialCourse::make(scene, thrown, model);
+  if (!course) return tl::unexpected(course.error());
+  ContactPath path;
+  path.end_ = course->lift_off();
+  path.spatial_ = std::make_shared<const SpatialCourse>(*std::move(course));
+  return path;
+}
+
+ContactPath::State ContactPath::at(double time_s) const {
+  return ode_ ? ode_at(time_s) : spatial_ ? spatial_->at(time_s) : sine_at(time_s);
+}
 
 ContactPath::State ContactPath::ode_at(double time_s) const {
   if (time_s <= release_.time_s) {

@@ -31,10 +31,16 @@
 // out of it. (The sine's net force has the weight towards the surface in it, and nothing of the ODE is there
 // to leave out; sim/effects/unmodelled.hpp bounds the weight's part along an inclined plate.)
 //
-// Plain values, thread-safe. Only the ODE's path allocates.
+// Out of the plane (spatial_course.hpp) there are the mechanics with all three of grip, tangential_compliance
+// and contact_ode, or with the law `grip` that and the damped sine.
+//
+// Plain values, thread-safe. Only the ODE's path allocates, and that out of the plane.
 #pragma once
 
+#include <Eigen/Geometry>
+#include <memory>
 #include <optional>
+#include <string>
 
 #include "common/impact/closed_form/rebound.hpp"
 #include "common/impact/closed_form/sine_pulse.hpp"
@@ -45,9 +51,14 @@
 
 namespace strobe::sim {
 
+/// A rotation of the ball in the axes of the surface.
+using Turn = Eigen::Quaternion<double, Eigen::DontAlign>;
+
 /// Conditions of one shot: the scene's means with this shot's random deviations.
 struct ShotConditions {
   impact::Motion touchdown;
+  double vz_mps = 0.0;  ///< at touchdown, out of the plane; with the next two all 0 for a planar shot
+  double omega_x_radps = 0.0, omega_y_radps = 0.0;
   impact::Coefficients coefficients;  ///< e and mu; with contact = "grip" also e_x and the offset
   double stiffness_ratio = 1.0;       ///< with contact = "ode", as the next
   double offset_share = 0.0;
@@ -56,6 +67,8 @@ struct ShotConditions {
   double lag_s = 0.0;        ///< trigger to touchdown
   double spot_m = 0.0;       ///< point of touchdown, along the surface from where the camera has its origin
   double off_plane_m = 0.0;  ///< of the ball's path from the plane the camera is focused on, towards the lens
+
+  bool planar() const { return vz_mps == 0.0 && omega_x_radps == 0.0 && omega_y_radps == 0.0; }
 };
 
 /// Normal draws are within kLargestNormal standard deviations of their means.
@@ -76,7 +89,14 @@ struct LiftOff {
   double displacement_m = 0.0;  ///< along the surface
   double rotation_rad = 0.0;    ///< counter-clockwise
   double impulse_factor = 1.0;  ///< the normal force's impulse over m·(vy_LO - vy_TD): more, by the weight's
+  // Of a contact that is not planar, whose rotation_rad stays 0:
+  double aside_m = 0.0;  ///< displacement towards the camera
+  double vz_mps = 0.0;
+  double omega_x_radps = 0.0, omega_y_radps = 0.0;
+  Turn turned = Turn::Identity();  ///< since touchdown
 };
+
+class SpatialCourse;
 
 /// Constants of the contact without the ODE.
 struct ReducedContact {
@@ -98,6 +118,21 @@ bool needs_calibration(const Scene& scene, const Model& model);
 /// Lift-off by the ODE, offset and weight as the model has them. Fails if the weight holds the ball.
 Result<LiftOff> ode_lift_off(const Scene& scene, const ShotConditions& thrown, const Model& model,
                              impact::ContactMethod method = impact::ContactMethod::collocation);
+
+/// What the contact's mechanics are computed with.
+struct MechanicsInput {
+  impact::ContactCoefficients coefficients;
+  double still_compressed_s = 0.0;  ///< depth at release over the release speed
+};
+Result<MechanicsInput> mechanics_input(const Scene& scene, const ShotConditions& thrown, const Model& model);
+
+/// From the release, `depth_m` below, moving freely, to the centre at R. Fails if the weight holds the ball.
+Result<LiftOff> risen(const Scene& scene, const impact::Motion& touchdown,
+                      const impact::ContactLiftOff& release, double depth_m,
+                      const impact::ContactCoefficients& coefficients);
+
+/// Why a shot out of the plane cannot be simulated by the model; nullopt: it can.
+std::optional<std::string> refusal_in_space(const Scene& scene, const Model& model);
 
 /// A damped sine that ends with a given lift-off: the net force is the sine's; displacement and rotation get
 /// a smooth correction so that they end with the given values.
@@ -137,6 +172,10 @@ class ContactPath {
     double vy_mps = 0.0;
     double omega_radps = 0.0;
     double rotation_rad = 0.0;
+    double aside_m = 0.0;  ///< this and the rest as in LiftOff
+    double vz_mps = 0.0;
+    double omega_x_radps = 0.0, omega_y_radps = 0.0;
+    Turn turned = Turn::Identity();
   };
 
   /// `reduced`: of calibrate(), where the model needs it; nullptr: calibrated here.
@@ -148,6 +187,7 @@ class ContactPath {
   const LiftOff& lift_off() const { return end_; }
 
  private:
+  friend class SpatialCourse;
   struct Release {
     double time_s = 0.0;
     double vy_mps = 0.0;
@@ -159,6 +199,7 @@ class ContactPath {
   ContactPath() = default;
   static Result<ContactPath> by_ode(const Scene& scene, const ShotConditions& thrown, const Model& model);
   static Result<ContactPath> by_sine(const Scene& scene, const ShotConditions& thrown, const LiftOff& end);
+  static Result<ContactPath> in_space(const Scene& scene, const ShotConditions& thrown, const Model& model);
   State ode_at(double time_s) const;
   State sine_at(double time_s) const;
 
@@ -166,6 +207,7 @@ class ContactPath {
   std::optional<impact::ContactCourse> ode_;
   Release release_;  ///< of the ODE
   std::optional<SinePath> sine_;
+  std::shared_ptr<const SpatialCourse> spatial_;
 };
 
 }  // namespace strobe::sim

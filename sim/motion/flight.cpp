@@ -121,10 +121,13 @@ FlightState Flight::fall(double time_s) const {
           start_.vx_mps + law_.gravity_x_mps2 * time_s,
           start_.vy_mps + law_.gravity_y_mps2 * time_s,
           start_.omega_radps,
-          start_.omega_radps * time_s};
+          start_.omega_radps * time_s,
+          start_.z_m + start_.vz_mps * time_s,
+          start_.vz_mps};
 }
 
 FlightState Flight::step(const FlightState& s, double h_s) const {
+  if (spatial_) return spatial_step(s, h_s);
   Course<double> at{s.x_m, s.y_m, s.vx_mps, s.vy_mps, s.omega_radps, s.rotation_rad};
   take_step(law_, at, h_s);
   return {at.x, at.y, at.vx, at.vy, at.omega, at.rotation};
@@ -145,7 +148,7 @@ std::array<FlightState, 4> Flight::at(const Instants& time_s) const {
   const double steps = steps_to(time_s[0]);
   const bool alike =
       std::ranges::all_of(time_s, [steps](double each_s) { return steps_to(each_s) == steps; });
-  if (parabola_ || !alike || steps == 0.0)
+  if (parabola_ || spatial_ || !alike || steps == 0.0)
     return {at(time_s[0]), at(time_s[1]), at(time_s[2]), at(time_s[3])};
   const Side h = Eigen::Map<const Side>(time_s.data()) / steps;
   const auto each = [](double value) -> Side { return Side::Constant(value); };

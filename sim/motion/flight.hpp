@@ -8,11 +8,16 @@
 //   C_L = R·omega/(b·R·|omega| + a·|v|) with the spin's sign, backspin lifts; a = 1, b = 2: tennis balls
 //   domega/dt = -c·|v|·omega,   c = spin_decay_per_m
 //
+// A spin that is not across the plane of flight lifts by its part across v, along omega × v:
+//   dv/dt = g - q·C_D·|v|·v + q·|v|·R·(omega × v)/(b·R·|omega × v|/|v| + a·|v|)
+// and decays as a whole, so that its direction stays: the ball turns about one axis.
+//
 // C_D .51 to .65 and this C_L: measured on tennis balls by Stepanek (1988) and others. Each effect that the
 // model leaves out has its term left out; without air (or with every effect of it left out) the flight is the
 // parabola in closed form.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <optional>
 
@@ -27,8 +32,10 @@ struct FlightState {
   double y_m = 0.0;
   double vx_mps = 0.0;
   double vy_mps = 0.0;
-  double omega_radps = 0.0;
-  double rotation_rad = 0.0;  ///< since the start, counter-clockwise
+  double omega_radps = 0.0;   ///< about the flight's axis
+  double rotation_rad = 0.0;  ///< since the start, likewise; counter-clockwise
+  double z_m = 0.0;           ///< towards the camera
+  double vz_mps = 0.0;
 };
 
 class Flight {
@@ -36,6 +43,11 @@ class Flight {
   /// Flight of the scene's ball in its air, over its inclined plate. The start's spin is omega_radps.
   Flight(const Scene& scene, const FlightState& start, double omega_radps,
          const Model& model = Model::full());
+  /// With the spin as a vector; the start's vz_mps counts.
+  Flight(const Scene& scene, const FlightState& start, const Eigen::Vector3d& spin_radps, const Model& model);
+
+  /// What the ball spins about, of length 1; z unless the spin was given as a vector.
+  const Eigen::Vector3d& axis() const { return axis_; }
 
   /// The state `time_s` after the start (negative: before it). Error below 1e-12 of the distance flown for
   /// tennis balls in usual air; it grows with the fifth power of q·|v| and of c·|v|.
@@ -71,10 +83,13 @@ class Flight {
   FlightState at(double time_s, double steps) const;
   FlightState fall(double time_s) const;
   FlightState step(const FlightState& s, double h_s) const;
+  FlightState spatial_step(const FlightState& s, double h_s) const;
 
   FlightState start_;
   Law law_;
   bool parabola_;
+  bool spatial_ = false;
+  Eigen::Vector3d axis_ = Eigen::Vector3d::UnitZ();
 };
 
 /// A ball that falls from rest through height_m > 0 in the scene's air, or rises through it to rest: its

@@ -72,6 +72,7 @@ BallAppearance draw_ball(Artist& artist, const BallAppearanceSettings& s) {
   b.line_contrast = artist.between(0.5, 0.95, s.line_contrast);
   b.line_steepness = artist.scaled(2.0, 10.0);
   b.line_tilt_rad = artist.normal(kTiltSd_rad, kMaxTilt_rad, s.line_tilt_rad);
+  b.line_offset = s.line_offset;
   b.grain = artist.between(0.02, 0.1, s.grain);
   const double seam = artist.between(-0.3, 0.4);
   b.seam_contrast = s.seam_contrast.value_or(seam);

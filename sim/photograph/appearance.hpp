@@ -81,6 +81,7 @@ struct BallAppearance {
   double line_contrast = 0.8;
   double line_steepness = 4.0;  ///< of its profile exp(-ln2·|2x/width|^steepness); 2: a Gaussian
   double line_tilt_rad = 0.0;   ///< the line's plane against the line of sight
+  double line_offset = 0.0;     ///< of that plane from the ball's centre, over the radius
   double grain = 0.05;
   double seam_contrast = 0.2;
   double logo_contrast = 0.5;

@@ -45,15 +45,27 @@ struct BallLight::Placed {
   double radius_px = 0.0;
   double surface_y = 0.0;
   bool flat = false;
+  std::optional<Eigen::Matrix3d> attitude;  ///< of a ball that has turned about another axis than z
+
+  /// To the ball's own axes, and back.
+  Vec3 own(const Vec3& v) const {
+    if (!attitude) return {cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z};
+    const Eigen::Vector3d o = attitude->transpose() * Eigen::Vector3d(v.x, v.y, v.z);
+    return {o.x(), o.y(), o.z()};
+  }
+  Vec3 from_own(const Vec3& v) const {
+    const Eigen::Vector3d o = *attitude * Eigen::Vector3d(v.x, v.y, v.z);
+    return {o.x(), o.y(), o.z()};
+  }
 };
 
 BallLight::BallLight(const Scene& scene, const Appearance& appearance)
     : optics_(scene),
       appearance_(appearance),
-      texture_(appearance.ball, scene.ball.radius_m() * scene.camera.px_per_m),
+      texture_(appearance.ball, scene.ball.radius_m() * scene.camera.px_per_m, !scene.machine.planar()),
       radius_m_(scene.ball.radius_m()) {
   // The brightest place of a ball in the middle of the view under two lamps of the usual power.
-  Placed ball = place({{0.0, 0.0, 0.0}, 0.0, {1.0, 1.0}});
+  Placed ball = place({{0.0, 0.0, 0.0}, 0.0, {1.0, 1.0}, {}});
   constexpr int kSteps = 40;
   double most = 0.0;
   for (int i = -kSteps; i <= kSteps; ++i) {
@@ -77,6 +89,13 @@ BallLight::Placed BallLight::place(const LitBall& ball) const {
   p.centre = ball.centre;
   p.cos = std::cos(ball.angle_rad);
   p.sin = std::sin(ball.angle_rad);
+  if (ball.turned) {
+    p.attitude = ball.attitude();
+    // As far as the outline's irregularities turn with it.
+    const double angle_rad = std::atan2((*p.attitude)(1, 0), (*p.attitude)(0, 0));
+    p.cos = std::cos(angle_rad);
+    p.sin = std::sin(angle_rad);
+  }
   for (std::size_t lamp = 0; lamp < 2; ++lamp) {
     const Vec3 way = appearance_.lamps[lamp].place - ball.centre;
     const double usual = dot(appearance_.lamps[lamp].place, appearance_.lamps[lamp].place);
@@ -94,7 +113,8 @@ BallLight::Placed BallLight::place(const LitBall& ball) const {
 double BallLight::line_darkness(const Vec3& on_ball) const {
   if (!appearance_.ball.line) return 0.0;
   const double tilt = appearance_.ball.line_tilt_rad;
-  const double off_m = radius_m_ * std::abs(std::cos(tilt) * on_ball.y + std::sin(tilt) * on_ball.z);
+  const double off_m = radius_m_ * std::abs(std::cos(tilt) * on_ball.y + std::sin(tilt) * on_ball.z -
+                                            appearance_.ball.line_offset);
   const double share = 2.0 * off_m / appearance_.ball.line_width_m;
   if (share > 6.0) return 0.0;
   return appearance_.ball.line_contrast * std::exp2(-std::pow(share, appearance_.ball.line_steepness));
@@ -115,10 +135,11 @@ double BallLight::lamp_light(const Vec3& normal, const Vec3& to_lamp, double tow
 }
 
 double BallLight::shade(const Placed& ball, const Vec3& normal, const Vec3& to_lens) const {
-  const Vec3 own{ball.cos * normal.x + ball.sin * normal.y, ball.cos * normal.y - ball.sin * normal.x,
-                 normal.z};
+  const Vec3 own = ball.own(normal);
   Vec3 lit = normal;
-  if (texture_.has_relief()) {
+  if (ball.attitude) {
+    if (texture_.has_relief()) lit = unit(normal + ball.from_own(texture_.normal_tilt(own)));
+  } else if (texture_.has_relief()) {
     const Vec2 normal_tilt = texture_.normal_tilt(own.x, own.y);
     lit = unit({normal.x + ball.cos * normal_tilt.x - ball.sin * normal_tilt.y,
                 normal.y + ball.sin * normal_tilt.x + ball.cos * normal_tilt.y, normal.z});
@@ -129,7 +150,8 @@ double BallLight::shade(const Placed& ball, const Vec3& normal, const Vec3& to_l
     if (ball.strength[lamp] > 0.0)
       light += ball.strength[lamp] * lamp_light(lit, ball.to_lamp[lamp], towards_lens, to_lens);
   }
-  return level_ * light * texture_.albedo(own.x, own.y) * (1.0 - line_darkness(own));
+  const double albedo = ball.attitude ? texture_.albedo(own) : texture_.albedo(own.x, own.y);
+  return level_ * light * albedo * (1.0 - line_darkness(own));
 }
 
 /// `width_px`: over which a sample's own coverage falls at an edge.

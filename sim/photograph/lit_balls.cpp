@@ -1,5 +1,6 @@
 #include "sim/photograph/lit_balls.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -59,8 +60,10 @@ class Flashes {
     const BallPath& path = exposure_.ball->path;
     // Where the top is, not where the middle of the mass is.
     const double y_m = s.top_drop_m > 0.0 ? scene_.ball.radius_m() - s.top_drop_m : s.y_m;
-    return {optics_.from_surface(s.x_m + path.spot_m(), y_m, path.off_plane_m()),
-            scene_.camera.mirrored ? -s.equator_rad : s.equator_rad, light};
+    LitBall ball{optics_.from_surface(s.x_m + path.spot_m(), y_m, path.off_plane_m() + s.z_m),
+                 scene_.camera.mirrored ? -s.equator_rad : s.equator_rad, light};
+    if (!path.planar()) ball.turned = as_seen(s.turned.toRotationMatrix());
+    return ball;
   }
 
   BallImageOnSensor image(const FilmImage& film, double share) const {
@@ -80,6 +83,12 @@ class Flashes {
   const Optics& optics() const { return optics_; }
 
  private:
+  /// A mirrored camera sees the mirror's image of the motion.
+  Eigen::Matrix3d as_seen(Eigen::Matrix3d turned) const {
+    const Eigen::Vector3d mirror(scene_.camera.mirrored ? -1.0 : 1.0, 1.0, 1.0);
+    return mirror.asDiagonal() * turned * mirror.asDiagonal();
+  }
+
   int instants_of(const BallState& s) const {
     const double way_px = std::hypot(s.vx_mps, s.vy_mps) * scene_.lamps.flash_s * scene_.camera.px_per_m;
     return std::clamp(static_cast<int>(std::ceil(way_px / kSpacing_px)), 1, kMaxInstants);
@@ -141,8 +150,10 @@ class Truth {
     const bool contact = s.top_drop_m > 0.0;
     const double x_m = s.x_m + path.spot_m();
     const double y_m = contact ? radius_m - s.top_drop_m : s.y_m;
-    const BallView view = camera_.view(x_m, y_m, path.off_plane_m(), s.equator_rad);
+    const double depth_m = path.off_plane_m() + s.z_m;
+    const BallView view = camera_.view(x_m, y_m, depth_m, s.equator_rad);
     ImageTruth image;
+    image.depth_m = depth_m;
     image.flash_index = film.pulse;
     image.time_s = to_seconds(film.time - exposure.pulses.front().edge) + 0.5 * scene_.lamps.flash_s;
     const bool after = to_seconds(film.time - exposure.ball->touchdown) > 0.5 * path.dwell_s();
@@ -151,12 +162,20 @@ class Truth {
                         : reduction::Leg::incoming;
     image.centre_px = view.centre_px;
     image.diameter_px = view.diameter_px();
-    image.equator_rad = modulo_pi(line_seen(on_sensor.middle));
+    const double tilt = appearance_.ball.line_tilt_rad;
+    const LineView line =
+        camera_.line(x_m, y_m, depth_m, s.attitude() * Eigen::Vector3d(0.0, std::cos(tilt), std::sin(tilt)),
+                     appearance_.ball.line_offset);
+    image.equator_tilt_rad = line.tilt_rad;
+    // The same but for its last digits, as it was before lines could be out of the plane.
+    image.equator_rad = path.planar() && appearance_.ball.line_offset == 0.0
+                            ? modulo_pi(line_seen(on_sensor.middle))
+                            : line.equator_rad;
     image.top_px = top_of(view);
-    image.top_drop_px = s.top_drop_m * scale_at(path.off_plane_m());
+    image.top_drop_px = s.top_drop_m * scale_at(depth_m);
     if (contact) {
       const double half_m = std::sqrt(std::max(0.0, radius_m * radius_m - y_m * y_m));
-      image.contact_width_px = 2.0 * half_m * scale_at(path.off_plane_m());
+      image.contact_width_px = 2.0 * half_m * scale_at(depth_m);
     }
     tell_share(on_sensor.middle.centre, image);
     return image;
@@ -237,33 +256,48 @@ std::optional<double> stamp_s(const Pulse& pulse, MonoTime origin) {
 
 json point(const PointPx& p) { return json::array({p.x, p.y}); }
 
-json image_json(const ImageTruth& i) {
+/// What only a scene that is not planar tells, so that others' lines stay as they are.
+bool is_spatial(const Scene& scene) {
+  return !scene.machine.planar() || scene.ball_appearance.line_offset != 0.0;
+}
+
+json image_json(const Scene& scene, const ImageTruth& i) {
   json object = {
       {"flash_index", i.flash_index},        {"time_s", i.time_s},           {"leg", name(i.leg)},
       {"centre_px", point(i.centre_px)},     {"diameter_px", i.diameter_px}, {"equator_rad", i.equator_rad},
       {"top_px", point(i.top_px)},           {"top_drop_px", i.top_drop_px}, {"whole", i.whole},
       {"share_on_sensor", i.share_on_sensor}};
   object["contact_width_px"] = i.contact_width_px ? json(*i.contact_width_px) : json(nullptr);
+  if (!is_spatial(scene)) return object;
+  object["equator_tilt_rad"] = i.equator_tilt_rad;
+  object["depth_m"] = i.depth_m;
   return object;
 }
 
 json appearance_json(const Scene& scene, const Appearance& appearance) {
-  return {{"blur_px", appearance.blur_px},
-          {"defocus_px", scene.photograph.defocus_px},
-          {"exposure", scene.photograph.exposure},
-          {"bits", scene.photograph.bits},
-          {"line", appearance.ball.line},
-          {"line_width_m", appearance.ball.line_width_m},
-          {"line_contrast", appearance.ball.line_contrast},
-          {"line_tilt_rad", appearance.ball.line_tilt_rad},
-          {"grain", appearance.ball.grain},
-          {"fuzz_px", appearance.ball.fuzz_px},
-          {"lamp_powers", {appearance.lamps[0].power, appearance.lamps[1].power}},
-          {"wall", appearance.background.wall},
-          {"plate_brightness", appearance.background.plate_brightness}};
+  json object = {{"blur_px", appearance.blur_px},
+                 {"defocus_px", scene.photograph.defocus_px},
+                 {"exposure", scene.photograph.exposure},
+                 {"bits", scene.photograph.bits},
+                 {"line", appearance.ball.line},
+                 {"line_width_m", appearance.ball.line_width_m},
+                 {"line_contrast", appearance.ball.line_contrast},
+                 {"line_tilt_rad", appearance.ball.line_tilt_rad},
+                 {"grain", appearance.ball.grain},
+                 {"fuzz_px", appearance.ball.fuzz_px},
+                 {"lamp_powers", {appearance.lamps[0].power, appearance.lamps[1].power}},
+                 {"wall", appearance.background.wall},
+                 {"plate_brightness", appearance.background.plate_brightness}};
+  if (is_spatial(scene)) object["line_offset"] = appearance.ball.line_offset;
+  return object;
 }
 
 }  // namespace
+
+Eigen::Matrix3d LitBall::attitude() const {
+  const Eigen::Matrix3d first = Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return turned ? Eigen::Matrix3d(*turned * first) : first;
+}
 
 std::vector<Vec2> outline_on_sensor(const Optics& optics, const Vec3& centre, double radius_m, int points) {
   // The circle on the sphere where rays touch it: from infinity a great circle across the line of sight.
@@ -362,7 +396,7 @@ std::string photograph_line(const Scene& scene, const Exposure& exposure, int sh
   for (const auto& time : truth.flash_times_s)
     line["flash_times_s"].push_back(time ? json(*time) : json(nullptr));
   line["images"] = json::array();
-  for (const ImageTruth& image : truth.images) line["images"].push_back(image_json(image));
+  for (const ImageTruth& image : truth.images) line["images"].push_back(image_json(scene, image));
   line["appearance"] = appearance_json(scene, appearance);
   return messages::json_text(line);
 }

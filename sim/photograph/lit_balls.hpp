@@ -19,6 +19,11 @@ struct LitBall {
   Vec3 centre;             ///< of the sphere, axis coordinates
   double angle_rad = 0.0;  ///< of its line, counter-clockwise in axis coordinates, at the middle of the view
   std::array<double, 2> light{};  ///< of each lamp, over that of a usual flash
+  /// From the ball's own axes to axis coordinates, besides the turn by angle_rad that comes first; absent: it
+  /// has turned about z only.
+  std::optional<Eigen::Matrix3d> turned{};
+
+  Eigen::Matrix3d attitude() const;
 };
 
 struct BallImageOnSensor {
@@ -48,14 +53,16 @@ std::vector<Vec2> outline_on_sensor(const Optics& optics, const Vec3& centre, do
 
 /// One image of the ball.
 struct ImageTruth {
-  int flash_index = 0;           ///< of its pulse in the exposure
-  double time_s = 0.0;           ///< middle of the flash, from the exposure's first pulse's edge on
-  reduction::Leg leg{};          ///< contact: flattened, however little
-  reduction::PointPx centre_px;  ///< of the outline (camera.hpp); in contact of the round part of it
-  double diameter_px = 0.0;      ///< of the disc of the round outline's area
-  double equator_rad = 0.0;      ///< modulo pi; of the line through the two ends of the line on the outline
-  reduction::PointPx top_px;     ///< the outline's point farthest from the surface
-  double top_drop_px = 0.0;      ///< by how much the ball is pressed flat
+  int flash_index = 0;            ///< of its pulse in the exposure
+  double time_s = 0.0;            ///< middle of the flash, from the exposure's first pulse's edge on
+  reduction::Leg leg{};           ///< contact: flattened, however little
+  reduction::PointPx centre_px;   ///< of the outline (camera.hpp); in contact of the round part of it
+  double diameter_px = 0.0;       ///< of the disc of the round outline's area
+  double equator_rad = 0.0;       ///< modulo pi; of the line through the two ends of the line on the outline
+  double equator_tilt_rad = 0.0;  ///< as reduction::BallImage has it, of that direction
+  double depth_m = 0.0;           ///< of the centre from the plane that balls are to fly in, to the lens
+  reduction::PointPx top_px;      ///< the outline's point farthest from the surface
+  double top_drop_px = 0.0;       ///< by how much the ball is pressed flat
   std::optional<double> contact_width_px;  ///< of the flat side; absent in the air
   bool whole = true;                       ///< entirely within the border
   double share_on_sensor = 1.0;            ///< of the outline

@@ -35,7 +35,9 @@ enum class Purpose : std::uint64_t {
   off_plane,
   appearance,  ///< of the photograph: ball, lamps, background
   flash_power,
-  camera_link,  ///< what it loses
+  camera_link,   ///< what it loses
+  out_of_plane,  ///< direction of travel and spins
+  tablet_tilt,
 };
 
 /// No normal draw is farther from its mean than this many standard deviations (a share of 2e-9 would be), so

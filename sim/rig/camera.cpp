@@ -1,7 +1,9 @@
 #include "sim/rig/camera.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 namespace strobe::sim {
@@ -117,6 +119,32 @@ BallView Camera::view(double x_m, double y_m, double off_plane_m, double equator
   view.equator_rad = angle + turn_rad_;
   slant(view);
   return view;
+}
+
+LineView Camera::line(double x_m, double y_m, double off_plane_m, const Eigen::Vector3d& normal,
+                      double offset) const {
+  Eigen::Vector3d v = Eigen::Vector3d::UnitZ();
+  double limb = 0.0;
+  const double side = settings_.mirrored ? -1.0 : 1.0;  // of the photograph's x
+  if (settings_.distance_m > 0.0) {
+    const Point centre = from_axis(x_m, y_m);
+    const Eigen::Vector3d way(-side * centre.x, -centre.y, settings_.distance_m - off_plane_m);
+    v = way.normalized();
+    limb = radius_m_ / way.norm();
+  }
+  const double k = normal.dot(v);
+  const Eigen::Vector3d middle = ((limb - k * offset) * v + (offset - k * limb) * normal) / (1.0 - k * k);
+  // In the mirror what was to the right is to the left.
+  const Eigen::Vector3d along = side * normal.cross(v).normalized();
+  const Eigen::Vector3d half = std::sqrt(std::max(0.0, 1.0 - middle.squaredNorm())) * along;
+  const auto seen = [&](const Eigen::Vector3d& p) {
+    return project(x_m + radius_m_ * p.x(), y_m + radius_m_ * p.y(), off_plane_m + radius_m_ * p.z());
+  };
+  const reduction::PointPx a = seen(middle + half), b = seen(middle - half);
+  const double direction_rad = std::atan2(a.y - b.y, a.x - b.x);
+  const LineView view{modulo_pi(direction_rad), std::asin(std::clamp(-k, -1.0, 1.0))};
+  // The normal is to the left of n × v.
+  return std::cos(direction_rad - view.equator_rad) > 0.0 ? view : LineView{view.equator_rad, -view.tilt_rad};
 }
 
 double Camera::project_angle(double angle_rad) const {

@@ -88,6 +88,12 @@ class Slant {
 // A camera turned by swing_deg and tilt_deg sees all of that through a homography (as above), exactly but
 // for the equator's angle, which is turned by its derivative at the ball's centre.
 
+/// A circle drawn on a ball as it is seen on the photograph.
+struct LineView {
+  double equator_rad = 0.0;  ///< modulo pi, between its two ends on the outline, counter-clockwise
+  double tilt_rad = 0.0;     ///< of that direction, as reduction::BallImage has it
+};
+
 /// The image of one ball on the photograph: an ellipse, and on it a line through its centre.
 struct BallView {
   reduction::PointPx centre_px;
@@ -114,6 +120,12 @@ class Camera {
   /// A ball with its centre there and its equator at `equator_rad` to the surface, counter-clockwise.
   BallView view(double x_m, double y_m, double off_plane_m, double equator_rad) const;
 
+  /// The circle n·p = offset·R on a ball with its centre there; p from the centre, n of length 1, in the
+  /// surface's axes. On the outline, as seen from the direction v from the ball to the lens, v·p =
+  /// R²/distance.
+  LineView line(double x_m, double y_m, double off_plane_m, const Eigen::Vector3d& normal,
+                double offset) const;
+
   /// Angle on the photograph of a line in the focused plane at `angle_rad` to the surface, near the axis.
   double project_angle(double angle_rad) const;
 
@@ -122,6 +134,9 @@ class Camera {
 
   /// Whether some height there is on the photograph.
   bool may_see(double x_m) const { return std::abs(x_m) <= settings_.half_width_m; }
+
+  /// Where the axis meets the focused plane.
+  reduction::PointPx foot_px() const { return photograph({0.0, 0.0}); }
 
   double px_per_m() const { return settings_.px_per_m; }
   double half_width_m() const { return settings_.half_width_m; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sim/rig/camera.hpp"
 
@@ -70,7 +71,10 @@ std::vector<Blend> blends_of(const std::vector<Flash>& flashes) {
 class Film {
  public:
   Film(const Scene& scene, const ThrownBall& ball)
-      : camera_(scene), ball_(ball), flash_s_(scene.lamps.flash_s), radius_m_(scene.ball.radius_m()) {}
+      : camera_(scene), ball_(ball), flash_s_(scene.lamps.flash_s), radius_m_(scene.ball.radius_m()) {
+    if (scene.camera.distance_m > 0.0)
+      nearest_m_ = scene.camera.distance_m - scene.ball.diameter_m - ball.path.off_plane_m();
+  }
 
   /// Adds the image if there is one. True: none will follow on this side of the impact.
   bool add(const Blend& blend, std::vector<FilmImage>& images) {
@@ -91,7 +95,7 @@ class Film {
 
   View judge(double time_s, const BallState& begin) {
     const double x_m = begin.x_m + ball_.path.spot_m();
-    if (ball_.path.beyond_last_bounce(time_s, begin) || !camera_.may_see(x_m))
+    if (ball_.path.beyond_last_bounce(time_s, begin) || !camera_.may_see(x_m) || begin.z_m > nearest_m_)
       last_view_ = View::left;
     else
       last_view_ = camera_.sees(x_m, begin.y_m) ? View::seen : View::above;
@@ -111,6 +115,7 @@ class Film {
   const ThrownBall& ball_;
   double flash_s_;
   double radius_m_;
+  double nearest_m_ = std::numeric_limits<double>::infinity();  ///< to the lens, from the plane of touchdown
   View last_view_ = View::seen;
 };
 

@@ -68,7 +68,8 @@ class RowCoverage {
 // mean brightness over its square, rounded to 8 bits. Each pixel row is cut into kLines lines, along which
 // the ellipse's and the bar's ends are exact; across them the mean is the midpoint rule's. A ball that moves
 // during the flash is drawn as the mean of balls spread evenly over its way, no more than a quarter pixel
-// apart (at most 64). A ball that is pressed flat is drawn round.
+// apart (at most 64). A ball that is pressed flat is drawn round. The equator is drawn
+// straight, however its plane is tilted: pixels show no tilts.
 //
 // What is measured: M0, M1 the sums of w and w·(x, y) over the pixels, w the brightness over kBall but 1
 // within 0.8 of the half diameter, where the bar is: centre M1/M0, diameter 2·sqrt(M0/pi), the equator's

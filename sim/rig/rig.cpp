@@ -255,6 +255,7 @@ void Rig::drop_by_hand() {
   const double speed_mps = speed_after_fall_mps(scene_, hand.drop_height_m);
   dropped.touchdown = {-speed_mps * std::sin(scene_.surface_angle_rad),
                        -speed_mps * std::cos(scene_.surface_angle_rad), 0.0};
+  dropped.vz_mps = dropped.omega_x_radps = dropped.omega_y_radps = 0.0;
   dropped.spot_m = shutter_draws_->normal(0.0, hand.spot_sd_m);
   const double slower_mps =
       speed_mps - std::abs(scene_.machine.speed_mps * std::sin(scene_.machine.angle_rad));

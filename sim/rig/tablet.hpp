@@ -19,8 +19,10 @@ struct Digitized {
 /// Where and how large a ball is seen: camera.hpp, and pixels.hpp where the scene's camera has pixels. Four
 /// points of the surface; of each image of the ball its centre, its diameter (twice the distance from
 /// the centre to a point of the edge, so 2·sqrt(2) times as noisy as a coordinate), the equator's angle
-/// modulo pi, the top where the ball is visibly flattened, and the leg as a person sees it. Faults
-/// image_unseen leave images out. Noise of zero leaves the frame's standard deviations absent.
+/// modulo pi (of a line that may be tilted that of the line through its two ends, and the tilt where the
+/// scene has one measured; none where it is all on the outline), the top where the ball is visibly flattened,
+/// and the leg as a person sees it. Faults image_unseen leave images out. Noise of zero leaves the frame's
+/// standard deviations absent.
 Digitized digitize(const Scene& scene, std::uint64_t seed, const Exposure& exposure);
 
 /// The same without error: the frame states the scene's noise but has none.

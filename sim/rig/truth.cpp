@@ -25,6 +25,13 @@ json readout_json(const reduction::Quantities& values) {
   return object;
 }
 
+json spatial_json(const reduction::Spatial& spatial) {
+  json object = json::object();
+  for (std::size_t i = 0; i < reduction::kSpatialCount; ++i)
+    object[std::string(reduction::kSpatialNames[i])] = spatial.number[i]->value;
+  return object;
+}
+
 json fault_names(const Scene& scene, const Exposure& exposure) {
   json names = json::array();
   for (const FaultKind kind : exposure.faults) names.push_back(std::string(name(kind)));
@@ -63,6 +70,33 @@ reduction::Quantities true_readout(const Scene& scene, const BallPath& path) {
   return q;
 }
 
+reduction::Spatial true_spatial(const BallPath& path) {
+  using enum reduction::SpatialQuantity;
+  const ShotConditions& td = path.conditions();
+  const LiftOff& lo = path.lift_off();
+  const Eigen::Vector3d in(td.omega_x_radps, td.omega_y_radps, td.touchdown.omega_radps);
+  const Eigen::Vector3d out(lo.omega_x_radps, lo.omega_y_radps, lo.rebound.lift_off.omega_radps);
+  const auto tilt_deg = [](const Eigen::Vector3d& spin) {
+    return degrees(std::atan2(std::hypot(spin.x(), spin.y()), std::abs(spin.z())));
+  };
+  reduction::Spatial spatial;
+  const auto tell = [&](reduction::SpatialQuantity q, double value) {
+    spatial[q] = reduction::DerivedNumber{.value = value};
+  };
+  tell(omega_x_td_radps, in.x());
+  tell(omega_y_td_radps, in.y());
+  tell(omega_z_td_radps, in.z());
+  tell(spin_axis_tilt_td_deg, tilt_deg(in));
+  tell(vz_td_mps, td.vz_mps);
+  tell(omega_x_lo_radps, out.x());
+  tell(omega_y_lo_radps, out.y());
+  tell(omega_z_lo_radps, out.z());
+  tell(spin_axis_tilt_lo_deg, tilt_deg(out));
+  tell(vz_lo_mps, lo.vz_mps);
+  tell(off_plane_mm, 1e3 * path.off_plane_m());
+  return spatial;
+}
+
 std::string truth_line(const Scene& scene, const Exposure& exposure, int shot_id) {
   const bool ball = shows_impact(exposure);
   json line = {{"shot", exposure.shot}, {"shot_id", shot_id}, {"ball", ball}, {"throws", exposure.throws}};
@@ -74,6 +108,7 @@ std::string truth_line(const Scene& scene, const Exposure& exposure, int shot_id
     line["touchdown_ns"] = to_ns(exposure.ball->touchdown);
     line["liftoff_ns"] = to_ns(exposure.ball->touchdown) + std::llround(path.dwell_s() * 1e9);
     line["readout"] = readout_json(true_readout(scene, path));
+    if (!path.planar()) line["spatial"] = spatial_json(true_spatial(path));
   }
   line["opened_ns"] = instant(exposure.opened);
   line["closed_ns"] = instant(exposure.closed);

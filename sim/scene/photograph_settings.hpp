@@ -69,8 +69,9 @@ struct BallAppearanceSettings {
   std::optional<double> shine;          ///< 0…2, height of a reflected lamp; drawn by the surface
   std::optional<double> line_width_m;   ///< key line_width_mm 0.3…15; drawn: 1.5…4 mm
   std::optional<double> line_contrast;  ///< 0…1, darkness over the felt's; drawn: .5….95
-  std::optional<double> line_tilt_rad;  ///< key line_tilt_deg -30…30; drawn: sd 1.5, at most 5
-  std::optional<double> grain;          ///< 0…0.5, relative sd of the felt's albedo; drawn: .02….1
+  std::optional<double> line_tilt_rad;  ///< key line_tilt_deg -75…75; drawn: sd 1.5, at most 5
+  double line_offset = 0.0;     ///< -0.1…0.1 of the radius, of the line's plane from the ball's centre
+  std::optional<double> grain;  ///< 0…0.5, relative sd of the felt's albedo; drawn: .02….1
   /// -10…1, of seams, stitches, panels, holes or dots: darker than the rest; drawn: of felt -.3 (lighter)….4
   std::optional<double> seam_contrast;
   std::optional<double> logo_contrast;   ///< -10…1; drawn: 0….8

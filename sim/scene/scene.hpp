@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <optional>
@@ -70,6 +71,17 @@ struct MachineSettings {
   double angle_sd_rad = 0.0;
   double spin_radps = 0.0;  ///< required; backspin positive
   double spin_sd_radps = 0.0;
+  /// Out of the plane that the others are in, all 0 unless they are said: the direction of travel,
+  /// lateral_deg -45…45, towards the camera; the spin about y, the surface's normal, and about x, the
+  /// direction of travel.
+  double lateral_rad = 0.0, lateral_sd_rad = 0.0;
+  double sidespin_radps = 0.0, sidespin_sd_radps = 0.0;
+  double gyrospin_radps = 0.0, gyrospin_sd_radps = 0.0;
+  /// Whether every ball stays in that plane and spins across it.
+  bool planar() const {
+    return lateral_rad == 0.0 && lateral_sd_rad == 0.0 && sidespin_radps == 0.0 && sidespin_sd_radps == 0.0 &&
+           gyrospin_radps == 0.0 && gyrospin_sd_radps == 0.0;
+  }
   double lag_s = 0.310;  ///< from the trigger to touchdown
   double lag_sd_s = 0.003;
   double spot_sd_m = 0.010;  ///< key spot_sd_mm: where along the surface the ball touches down
@@ -220,6 +232,8 @@ struct TabletSettings {
   double equator_sd_rad = 0.5 * std::numbers::pi / 180.0;
   double digitize_delay_s = 0.1;        ///< shot announced to frame published
   double visible_flattening_m = 0.001;  ///< a drop of the ball's top from which an image is called "contact"
+  /// Key equator_tilt_sd_deg 0.001…45; 0 (key absent): the lines' tilts are not measured.
+  double equator_tilt_sd_rad = 0.0;
   /// Relative sd of a scale handed over with the frame; < 0: none (key absent).
   double calibration_sd = -1.0;
 };
@@ -288,7 +302,10 @@ struct Scene {
 /// is set for more.
 inline std::optional<double> known_fastest_spin_radps(const Scene& scene) {
   const double fastest = 20.5 / scene.ball.radius_m();
-  const bool less = std::abs(scene.machine.spin_radps) + 6.0 * scene.machine.spin_sd_radps < fastest;
+  const MachineSettings& m = scene.machine;
+  const double mean = std::hypot(m.spin_radps, m.sidespin_radps, m.gyrospin_radps);
+  const double sd = std::hypot(m.spin_sd_radps, m.sidespin_sd_radps, m.gyrospin_sd_radps);
+  const bool less = mean + 6.0 * sd < fastest;
   return less ? std::optional(fastest) : std::nullopt;
 }
 

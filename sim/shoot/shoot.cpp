@@ -81,6 +81,8 @@ Result<Shooter> Shooter::make(const Scene& scene, std::uint64_t seed, const Mode
     return fail("period: must be 0.1…1000 ms");
   if (settings.exposure < Duration{} || settings.exposure > milliseconds(2000))
     return fail("exposure: must be 0…2 s");
+  if (const auto refusal = refusal_in_space(scene, model); refusal && !scene.machine.planar())
+    return fail("model: " + *refusal);
   if (!std::ranges::is_sorted(settings.train)) return fail("train: must ascend");
   return Shooter(scene, seed, model, settings);
 }

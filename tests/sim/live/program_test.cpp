@@ -214,7 +214,7 @@ TEST(SimProgram, ListsTheScenes) {
   const CompletedProcess finished = strobe::testing::run_process(sim({"scenes", "--json"}), kLimit);
   CHECK_EQUAL(ExitStatus({0, 0}), finished.status);
   const auto scenes = strobe::testing::parse_json_lines(finished.out);
-  CHECK_EQUAL("back_17", scenes[0]["scene"].get<std::string>());
+  CHECK_EQUAL("axis_tilted_10", scenes[0]["scene"].get<std::string>());
   std::size_t of_the_thesis = 0;
   for (const auto& scene : scenes) {
     const std::string name = scene["scene"];

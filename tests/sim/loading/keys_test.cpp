@@ -244,3 +244,30 @@ TEST(SceneKeys, OfACameraOnTheNetwork) {
   refuses("camera_link.pixel_format: must be one of", kSmallest + "[camera_link]\npixel_format = \"RGB8\"\n");
   refuses("delay_s: is missing", kSmallest + "[[fault]]\nkind = \"camera_vanishes\"\n");
 }
+
+TEST(SceneKeys, GiveWhatIsOutOfThePlane) {
+  const std::string throws = "[machine]\nspeed_mps = 17\nangle_deg = -23\nspin_radps = 50\n";
+  const std::string bounce = "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\n";
+  CHECK(scene_of(kSmallest).machine.planar());
+  CHECK(scene_of(throws + "lateral_deg = 0\nsidespin_radps = 0\ngyrospin_radps = 0\n" + bounce).machine.planar());
+  const Scene scene =
+      scene_of(throws + "lateral_deg = 2\nlateral_sd_deg = 0.1\nsidespin_radps = -300\nsidespin_sd_radps = 5\n"
+                        "gyrospin_radps = 40\ngyrospin_sd_radps = 3\n" + bounce +
+               "[ball_appearance]\nline_offset = -0.03\nline_tilt_deg = 60\n[tablet]\nequator_tilt_sd_deg = 0.4\n");
+  CHECK(!scene.machine.planar());
+  DOUBLES_EQUAL(2.0 * M_PI / 180.0, scene.machine.lateral_rad, 1e-15);
+  DOUBLES_EQUAL(0.1 * M_PI / 180.0, scene.machine.lateral_sd_rad, 1e-15);
+  DOUBLES_EQUAL(-300.0, scene.machine.sidespin_radps, 0.0);
+  DOUBLES_EQUAL(5.0, scene.machine.sidespin_sd_radps, 0.0);
+  DOUBLES_EQUAL(40.0, scene.machine.gyrospin_radps, 0.0);
+  DOUBLES_EQUAL(3.0, scene.machine.gyrospin_sd_radps, 0.0);
+  DOUBLES_EQUAL(-0.03, scene.ball_appearance.line_offset, 0.0);
+  DOUBLES_EQUAL(0.4 * M_PI / 180.0, scene.tablet.equator_tilt_sd_rad, 1e-15);
+  refuses("some.toml:5: machine.lateral_deg: must be", throws + "lateral_deg = 46\n" + bounce);
+  refuses("some.toml:5: machine.sidespin_radps: must be", throws + "sidespin_radps = 1001\n" + bounce);
+  refuses("some.toml:5: machine.gyrospin_sd_radps: must be", throws + "gyrospin_sd_radps = -1\n" + bounce);
+  refuses("ball_appearance.line_offset: must be", kSmallest + "[ball_appearance]\nline_offset = 0.2\n");
+  refuses("tablet.equator_tilt_sd_deg: must be", kSmallest + "[tablet]\nequator_tilt_sd_deg = 0\n");
+  refuses("some.toml:3: machine.lateral_deg: excludes machine.drop_height_m",
+          "[machine]\ndrop_height_m = 2\nlateral_deg = 2\n" + bounce);
+}

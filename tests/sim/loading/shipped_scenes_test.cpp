@@ -145,3 +145,15 @@ TEST(ShippedScenes, ReachTheEndsOfTheScale) {
   CHECK(std::abs(readout("extreme_steepest", Quantity::theta_in_deg)) > 89.0);
   CHECK(load("extreme_pixels").camera.pixels);
 }
+
+TEST(ShippedScenes, TiltTheirAxesAndLeaveThePlaneAsTheirNamesSay) {
+  const auto spatial = [](const std::string& name) {
+    return true_spatial(mean_path(without_spread(load(name))));
+  };
+  using enum reduction::SpatialQuantity;
+  DOUBLES_EQUAL(10.0, spatial("axis_tilted_10")[spin_axis_tilt_td_deg]->value, 0.01);
+  DOUBLES_EQUAL(45.0, spatial("axis_tilted_45")[spin_axis_tilt_td_deg]->value, 0.01);
+  DOUBLES_EQUAL(200.0, spatial("sidespin_23")[omega_y_td_radps]->value, 1e-9);
+  const BallPath aside = mean_path(load("off_plane_2deg"));
+  DOUBLES_EQUAL(2.0, std::atan2(aside.at(0.0).vz_mps, aside.at(0.0).vx_mps) * 180.0 / std::numbers::pi, 1e-9);
+}

@@ -334,3 +334,111 @@ TEST(TruthLine, TellsAFlashThatWasNone) {
   CHECK(line["flash_true_ns"][4].is_number());
   CHECK_EQUAL("[\"flash_missing\"]", line["faults"].dump());
 }
+
+TEST_GROUP(SpatialTablet) {
+  Scene scene = test::plain_scene();
+  void setup() override {
+    scene.machine.spin_radps = 150.0;
+    scene.machine.sidespin_radps = 200.0;
+    scene.camera.roll_rad = 0.0;
+    scene.tablet.equator_tilt_sd_rad = 0.005;
+  }
+};
+
+/// Without perspective: the normal of the turned line is (-sin e cos t, cos e cos t, -sin t), either way.
+TEST(SpatialTablet, ReadsTheLinesPlane) {
+  auto [fixture, exposure] = test::shot_of(scene);
+  const Digitized digitized = digitize_perfectly(scene, 1, exposure);
+  CHECK(digitized.frame.images.size() > 10);
+  const std::vector<FilmImage> film = film_images(scene, exposure);
+  int tilted = 0;
+  for (std::size_t i = 0; i < film.size(); ++i) {
+    const reduction::BallImage& image = digitized.frame.images[i];
+    const Eigen::Vector3d n = film[i].state.attitude() * Eigen::Vector3d::UnitY();
+    CHECK_EQUAL(image.equator_rad.has_value(), std::abs(n.z()) < std::sin(75.0 * M_PI / 180.0));
+    if (!image.equator_rad) continue;
+    const double e = *image.equator_rad, t = *image.equator_tilt_rad;
+    const Eigen::Vector3d read(-std::sin(e) * std::cos(t), std::cos(e) * std::cos(t), -std::sin(t));
+    DOUBLES_EQUAL(1.0, std::abs(read.dot(n)), 1e-12);
+    DOUBLES_EQUAL(0.005, *image.equator_tilt_sd_rad, 0.0);
+    tilted += std::abs(t) > 0.3 ? 1 : 0;
+  }
+  CHECK(tilted > 5);
+}
+
+TEST(SpatialTablet, ErrsInTheTiltAsTheSceneSaysAndInNothingElse) {
+  auto [fixture, exposure] = test::shot_of(scene);
+  const auto perfect = digitize_perfectly(scene, 1, exposure).frame;
+  double sum = 0.0;
+  int n = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    const auto frame = digitize(scene, seed, exposure).frame;
+    for (std::size_t i = 0; i < frame.images.size(); ++i) {
+      DOUBLES_EQUAL(perfect.images[i].centre_px.x, frame.images[i].centre_px.x, 0.0);
+      if (!frame.images[i].equator_tilt_rad) continue;
+      const double off = (*frame.images[i].equator_tilt_rad - *perfect.images[i].equator_tilt_rad) / 0.005;
+      sum += off * off;
+      ++n;
+    }
+  }
+  // Of more than 1000 normal draws: 1 ± .045.
+  CHECK(n > 1000);
+  DOUBLES_EQUAL(1.0, sum / n, 0.2);
+}
+
+TEST(SpatialTablet, MeasuresNoTiltsAndNoLensUnlessTheSceneSaysSo) {
+  scene.tablet.equator_tilt_sd_rad = 0.0;
+  auto [fixture, exposure] = test::shot_of(scene);
+  const auto frame = digitize(scene, 1, exposure).frame;
+  CHECK(std::ranges::none_of(frame.images, [](const auto& image) { return image.equator_tilt_rad.has_value(); }));
+  CHECK(!frame.lens);
+  scene.camera.distance_m = 2.0;
+  CHECK(!digitize(scene, 1, exposure).frame.lens);
+  scene.tablet.calibration_sd = 0.001;
+  const auto calibrated = digitize(scene, 1, exposure).frame;
+  DOUBLES_EQUAL(2.0, calibrated.lens->distance_m, 0.0);
+  // The view's middle: above the origin, at half of its height.
+  DOUBLES_EQUAL(scene.camera.origin_x_px, calibrated.lens->foot_px.x, 1e-9);
+  DOUBLES_EQUAL(scene.camera.origin_y_px + 0.5 * scene.camera.height_m * scene.camera.px_per_m,
+                calibrated.lens->foot_px.y, 1e-9);
+}
+
+TEST(SpatialTablet, SeesABallThatComesNearerLarger) {
+  scene.machine.lateral_rad = 0.1;
+  scene.camera.distance_m = 2.0;
+  auto [fixture, exposure] = test::shot_of(scene);
+  const auto frame = digitize_perfectly(scene, 1, exposure).frame;
+  const std::vector<FilmImage> film = film_images(scene, exposure);
+  for (std::size_t i = 0; i < film.size(); ++i) {
+    const double depth_m = film[i].state.z_m;
+    // Beside the axis larger by half the square of the angle to it, at most .011.
+    const double nearer = 2.0 / (2.0 - depth_m);
+    DOUBLES_EQUAL(nearer, frame.images[i].diameter_px / (scene.camera.px_per_m * scene.ball.diameter_m), 0.012);
+  }
+  CHECK(film.front().state.z_m < -0.01 && film.back().state.z_m > 0.01);
+}
+
+TEST(SpatialTablet, TruthHasTheSpinsAndTheWayOutOfThePlane) {
+  scene.machine.lateral_rad = 0.1;
+  scene.machine.gyrospin_radps = 50.0;
+  auto [fixture, exposure] = test::shot_of(scene);
+  const BallPath& path = exposure.ball->path;
+  const auto truth = true_spatial(path);
+  const BallState td = path.at(0.0), lo = path.at(path.dwell_s());
+  using enum reduction::SpatialQuantity;
+  DOUBLES_EQUAL(50.0, truth[omega_x_td_radps]->value, 1e-9);
+  DOUBLES_EQUAL(200.0, truth[omega_y_td_radps]->value, 1e-9);
+  DOUBLES_EQUAL(150.0, truth[omega_z_td_radps]->value, 1e-9);
+  DOUBLES_EQUAL(std::atan2(std::hypot(50.0, 200.0), 150.0) * 180.0 / M_PI, truth[spin_axis_tilt_td_deg]->value,
+                1e-9);
+  DOUBLES_EQUAL(17.0 * std::cos(23.0 * M_PI / 180.0) * std::sin(0.1), truth[vz_td_mps]->value, 1e-9);
+  DOUBLES_EQUAL(td.vz_mps, truth[vz_td_mps]->value, 1e-9);
+  DOUBLES_EQUAL(lo.vz_mps, truth[vz_lo_mps]->value, 1e-9);
+  DOUBLES_EQUAL(lo.omega_x_radps, truth[omega_x_lo_radps]->value, 1e-9);
+  DOUBLES_EQUAL(lo.omega_y_radps, truth[omega_y_lo_radps]->value, 1e-9);
+  DOUBLES_EQUAL(lo.omega_radps, truth[omega_z_lo_radps]->value, 1e-9);
+  const auto line = nlohmann::json::parse(truth_line(scene, exposure, 7));
+  DOUBLES_EQUAL(lo.vz_mps, line["spatial"]["vz_lo_mps"].get<double>(), 1e-9);
+  auto [flat_fixture, flat] = test::shot_of(test::plain_scene());
+  CHECK(!nlohmann::json::parse(truth_line(scene, flat, 7)).contains("spatial"));
+}

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <random>
 
 namespace strobe::studies::digitize {
@@ -19,7 +20,7 @@ struct FeltLook {
   double roughness = 0.4;  ///< Oren and Nayar's sigma [rad]
   double grain = 0.06;     ///< of the albedo, relative
   double seam = 0.15;      ///< darker
-  double line_width_m = 0.003, line_contrast = 0.8, line_tilt_rad = 0.0;
+  double line_width_m = 0.003, line_contrast = 0.8, line_tilt_rad = 0.0, line_offset = 0.0;
   double fringe_px = 0.5;  ///< width over which fibres fade at the limb
   double hairs_px = 0.15;  ///< by which the limb wavers
   bool line = true;
@@ -32,6 +33,20 @@ struct FeltBall {
   double equator_rad = 0.0;
   double floor_m = -1e9;  ///< y of the surface that cuts it off
   std::array<double, 2> light{};
+  /// From its own axes to the view's; absent: turned by equator_rad about z.
+  std::optional<cv::Matx33d> attitude{};
+
+  cv::Vec3d own(const cv::Vec3d& v) const {
+    if (attitude) return attitude->t() * v;
+    const double c = std::cos(equator_rad), s = std::sin(equator_rad);
+    return {c * v[0] + s * v[1], c * v[1] - s * v[0], v[2]};
+  }
+  /// Of the plane that the line is in.
+  cv::Vec3d normal(double tilt_rad) const {
+    const double c = std::cos(tilt_rad), s = std::sin(tilt_rad);
+    if (attitude) return *attitude * cv::Vec3d(0.0, c, s);
+    return {-std::sin(equator_rad) * c, std::cos(equator_rad) * c, s};
+  }
 };
 
 double hashed(std::uint64_t seed, int x, int y, int z) {
@@ -85,7 +100,8 @@ double albedo(const FeltLook& look, double radius_m, const cv::Vec3d& own) {
   value *= 1.0 - look.seam * std::exp(-seam * seam);
   if (!look.line) return value;
   const double off_m =
-      radius_m * std::abs(std::cos(look.line_tilt_rad) * own[1] + std::sin(look.line_tilt_rad) * own[2]);
+      radius_m * std::abs(std::cos(look.line_tilt_rad) * own[1] + std::sin(look.line_tilt_rad) * own[2] -
+                          look.line_offset);
   constexpr double kInkEdge_m = 0.00025;
   return value *
          (1.0 - look.line_contrast / (1.0 + std::exp((off_m - 0.5 * look.line_width_m) / kInkEdge_m)));
@@ -95,8 +111,7 @@ double albedo(const FeltLook& look, double radius_m, const cv::Vec3d& own) {
 /// `normal`: of length 1, from the ball's centre.
 double felt_light(const FeltLook& look, const FeltBall& ball, const std::array<cv::Vec3d, 2>& lamps,
                   const cv::Vec3d& normal, const cv::Vec3d& to_lens) {
-  const double c = std::cos(ball.equator_rad), s = std::sin(ball.equator_rad);
-  const cv::Vec3d own(c * normal[0] + s * normal[1], c * normal[1] - s * normal[0], normal[2]);
+  const cv::Vec3d own = ball.own(normal);
   const cv::Vec3d at = ball.centre + normal * ball.radius_m;
   double light = 0.0;
   for (std::size_t lamp = 0; lamp < lamps.size(); ++lamp) {
@@ -238,8 +253,9 @@ Look look_of(const sim::Scene& scene, std::mt19937_64& random) {
       between(0.2, 0.6),  between(0.02, 0.1),
       between(0.0, 0.3),  between(0.0018, 0.004),
       between(0.5, 0.95), std::clamp(std::normal_distribution(0.0, 1.5)(random), -5.0, 5.0) * kDegree,
-      between(0.2, 1.0),  between(0.0, 0.2),
-      ball.line,          random()};
+      ball.line_offset,   between(0.2, 1.0),
+      between(0.0, 0.2),  ball.line,
+      random()};
   look.felt.line_contrast = ball.line_contrast.value_or(look.felt.line_contrast);
   look.felt.line_tilt_rad = ball.line_tilt_rad.value_or(look.felt.line_tilt_rad);
   look.felt.line_width_m = ball.line_width_m.value_or(look.felt.line_width_m);
@@ -268,9 +284,16 @@ FeltBall ball_of(const View& view, const sim::Scene& scene, const sim::BallPath&
   const double radius_m = 0.5 * scene.ball.diameter_m;
   const double high_m = state.top_drop_m > 0.0 ? radius_m - state.top_drop_m : state.y_m;
   FeltBall ball;
-  ball.centre = {state.x_m + path.spot_m(), view.surface_m + high_m, path.off_plane_m()};
+  ball.centre = {state.x_m + path.spot_m(), view.surface_m + high_m, path.off_plane_m() + state.z_m};
   ball.radius_m = radius_m;
   ball.equator_rad = state.equator_rad;
+  if (!path.planar()) {
+    const Eigen::Matrix3d turned = state.attitude();
+    ball.attitude = cv::Matx33d(turned(0, 0), turned(0, 1), turned(0, 2), turned(1, 0), turned(1, 1),
+                                turned(1, 2), turned(2, 0), turned(2, 1), turned(2, 2));
+    // As far as the limb's wavering turns with it.
+    ball.equator_rad = std::atan2(turned(1, 0), turned(0, 0));
+  }
   if (high_m < radius_m) ball.floor_m = view.surface_m;
   return ball;
 }
@@ -352,17 +375,17 @@ TrueImage truth_of(const View& view, const Look& look, const Flash& flash) {
   const double chords = 0.5 * 360.0 * std::sin(kDegree) / std::numbers::pi;
   image.diameter_px = std::sqrt(4.0 * 0.5 * std::abs(twice_area) / chords / std::numbers::pi);
   if (look.felt.line) {
-    const cv::Vec3d across(-std::sin(ball.equator_rad) * std::cos(look.felt.line_tilt_rad),
-                           std::cos(ball.equator_rad) * std::cos(look.felt.line_tilt_rad),
-                           std::sin(look.felt.line_tilt_rad));
-    // On the limb and on the line: towards . p = height, across . p = 0, |p| = R.
+    const cv::Vec3d across = ball.normal(look.felt.line_tilt_rad);
+    // On the limb and on the line: towards . p = height, across . p = off, |p| = R.
+    const double tilted = across.dot(limb.towards), off = look.felt.line_offset * ball.radius_m;
     const cv::Vec3d along = cv::normalize(across.cross(limb.towards));
     const cv::Vec3d level = cv::normalize(limb.towards - across * across.dot(limb.towards));
-    const double a = limb.height / level.dot(limb.towards),
-                 b = std::sqrt(ball.radius_m * ball.radius_m - a * a);
-    const cv::Point2d way =
-        view.pixel(ball.centre + level * a + along * b) - view.pixel(ball.centre + level * a - along * b);
+    const double a = (limb.height - off * tilted) / level.dot(limb.towards),
+                 b = std::sqrt(std::max(0.0, ball.radius_m * ball.radius_m - off * off - a * a));
+    const cv::Vec3d middle = ball.centre + across * off + level * a;
+    const cv::Point2d way = view.pixel(middle + along * b) - view.pixel(middle - along * b);
     image.equator_rad = std::atan2(-way.y, way.x);
+    image.equator_tilt_rad = -std::asin(tilted);
   }
   return image;
 }
@@ -371,7 +394,8 @@ TrueImage truth_of(const View& view, const Look& look, const Flash& flash) {
 void paint(const View& view, const Look& look, const FeltBall& ball, const cv::Mat& scenery,
            double hidden_share, cv::Mat& felt, cv::Mat& hidden) {
   const cv::Point2d middle = view.pixel(ball.centre);
-  const double radius_px = ball.radius_m * view.px_per_m, reach = radius_px + 5.0;
+  const double nearer = ball.attitude ? view.distance_m / (view.distance_m - ball.centre[2]) : 1.0;
+  const double radius_px = ball.radius_m * view.px_per_m * nearer, reach = radius_px + 5.0;
   const cv::Rect box =
       cv::Rect(cv::Point(static_cast<int>(middle.x - reach), static_cast<int>(middle.y - reach)),
                cv::Point(static_cast<int>(middle.x + reach), static_cast<int>(middle.y + reach))) &

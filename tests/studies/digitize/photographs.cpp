@@ -27,6 +27,8 @@ std::vector<TrueImage> true_images(const sim::Scene& scene, const sim::Photograp
          .centre_px = image.centre_px,
          .diameter_px = image.diameter_px,
          .equator_rad = scene.ball_appearance.line ? std::optional(image.equator_rad) : std::nullopt,
+         .equator_tilt_rad =
+             scene.ball_appearance.line ? std::optional(image.equator_tilt_rad) : std::nullopt,
          .top_px = image.top_px,
          .contact_width_px = image.contact_width_px,
          .whole = image.whole});

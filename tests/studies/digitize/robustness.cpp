@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <functional>
 
@@ -63,14 +64,24 @@ void set_size(Take& take, double diameter_px) {
   camera.px_per_m = px_per_m;
 }
 
+/// The spin's axis turned off the camera's, about the vertical.
+void turn_spin(Take& take, double by_deg) {
+  auto& machine = take.scene.machine;
+  machine.sidespin_radps = machine.spin_radps * std::sin(radians(by_deg));
+  machine.spin_radps *= std::cos(radians(by_deg));
+}
+
 std::vector<Condition> conditions() {
   std::vector<Condition> all;
   add(all, "exposure", {0.0625, 0.125, 0.25, 0.5, 1, 2, 4, 8},
       [](Take& t, double v) { t.scene.photograph.exposure = v; });
   add(all, "line_contrast", {0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 1},
       [](Take& t, double v) { t.scene.ball_appearance.line_contrast = v; });
-  add(all, "line_tilt", {0, 1, 2, 3, 4, 5, 6, 8},
+  add(all, "line_tilt", {0, 1, 2, 3, 4, 5, 6, 8, 15, 30, 45, 60},
       [](Take& t, double v) { t.scene.ball_appearance.line_tilt_rad = radians(v); });
+  add(all, "line_offset", {0, 0.01, 0.02, 0.03},
+      [](Take& t, double v) { t.scene.ball_appearance.line_offset = v; });
+  add(all, "spin_axis", {0, 5, 15, 30, 45, 60}, turn_spin);
   add(all, "blur", {0, 0.5, 1, 2, 3, 4, 5}, [](Take& t, double v) { t.scene.photograph.blur_px = v; });
   add(all, "blobs", {0, 1, 2, 3, 4},
       [](Take& t, double v) { t.scene.background.blobs = static_cast<int>(v); });

@@ -48,6 +48,10 @@ void measure_airborne(const TrueImage& truth, const BallImage& image, Score& sco
   if (!image.equator_rad) return;
   ++score.lines_found;
   score.equator_rad.add(wrap_half_turn(*image.equator_rad - *truth.equator_rad), image.equator_sd_rad);
+  if (!truth.equator_tilt_rad || !image.equator_tilt_rad) return;
+  const bool reversed = std::cos(*image.equator_rad - *truth.equator_rad) < 0.0;
+  const double error_rad = *image.equator_tilt_rad * (reversed ? -1.0 : 1.0) - *truth.equator_tilt_rad;
+  score.tilt_rad.add(std::copysign(1.0, *truth.equator_tilt_rad) * error_rad, image.equator_tilt_sd_rad);
 }
 
 void measure_contact(const TrueImage& truth, const BallImage& image, Score& score) {
@@ -122,7 +126,7 @@ void Score::add(const Score& other) {
   lines_invented += other.lines_invented;
   for (const auto member :
        {&Score::x_px, &Score::y_px, &Score::mahalanobis, &Score::diameter_px, &Score::equator_rad,
-        &Score::top_px, &Score::contact_width_px, &Score::surface_px})
+        &Score::tilt_rad, &Score::top_px, &Score::contact_width_px, &Score::surface_px})
     (this->*member).add(other.*member);
 }
 

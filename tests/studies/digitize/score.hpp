@@ -18,6 +18,7 @@ struct TrueImage {
   reduction::PointPx centre_px;
   double diameter_px = 0.0;
   std::optional<double> equator_rad;
+  std::optional<double> equator_tilt_rad;  ///< of that direction, as in reduction::BallImage
   std::optional<reduction::PointPx> top_px;
   std::optional<double> contact_width_px;
   bool whole = true;  ///< not cut off by the border
@@ -62,6 +63,7 @@ struct Score {
   ErrorTally mahalanobis;  ///< of the centre: its normalized squares are halved, so that 1 is true
   ErrorTally diameter_px;
   ErrorTally equator_rad;
+  ErrorTally tilt_rad;  ///< of the line: positive is away from the diameter
   ErrorTally top_px;  ///< of contact images, height only
   ErrorTally contact_width_px;
   ErrorTally surface_px;  ///< height of its line in the middle of the frame's points

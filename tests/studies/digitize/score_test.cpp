@@ -80,9 +80,14 @@ TEST(DigitizeScore, LinesAreTheSameAfterHalfATurn) {
   frame.images = {found_at(100.0, 500.0)};
   frame.images[0].equator_rad = std::numbers::pi - 0.01;
   frame.images[0].equator_sd_rad = 0.01;
+  truth.equator_tilt_rad = -0.5;
+  frame.images[0].equator_tilt_rad = 0.52;  // of the opposite direction
+  frame.images[0].equator_tilt_sd_rad = 0.01;
   const Score s = score({truth}, frame);
   DOUBLES_EQUAL(0.02, s.equator_rad.rms(), 1e-12);
   DOUBLES_EQUAL(2.0, s.equator_rad.normalized(), 1e-12);
+  DOUBLES_EQUAL(0.02, s.tilt_rad.bias(), 1e-12);
+  DOUBLES_EQUAL(2.0, s.tilt_rad.normalized(), 1e-12);
 }
 
 TEST(DigitizeScore, TheCentresErrorIsNormalizedByItsWholeCovariance) {

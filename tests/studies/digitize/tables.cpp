@@ -61,39 +61,42 @@ double centre_rms_px(const Score& s) {
 void print_score_head(int name_width) {
   fmt::print(
       "{:<{}} {:>11} {:>5} {:>8} {:>8} {:>4} | {:>6} {:>5} {:>6} | {:>6} {:>5} {:>6} | {:>11} {:>5} {:>6} "
-      "{:>5} {:>6} {:>5} | {:>6} {:>6} | {:>6} {:>5} | {:>5}\n",
+      "{:>5} {:>6} {:>5} | {:>6} {:>5} {:>6} | {:>6} {:>6} | {:>6} {:>5} | {:>5}\n",
       "", name_width, "airborne", "said", "contact", "invented", "cut", "centre", "norm.", "worst", "diam.",
-      "norm.", "worst", "equators", "said", "deg", "norm.", "worst", "false", "top px", "width", "surf.", "norm.",
+      "norm.", "worst", "equators", "said", "deg", "norm.", "worst", "false", "tilt", "norm.", "bias", "top px", "width", "surf.", "norm.",
       ">5 sd");
 }
 
 void print_score(const std::string& name, int name_width, const Score& s) {
   fmt::print(
       "{:<{}} {:>5}/{:<5} {:>5} {:>4}/{:<3} {:>8} {:>4} | {:>6.3f} {:>5.2f} {:>6.2f} | {:>6.3f} {:>5.2f} "
-      "{:>6.2f} | {:>5}/{:<5} {:>5} {:>6.3f} {:>5.2f} {:>6.2f} {:>5} | {:>6.2f} {:>6.2f} | {:>6.3f} {:>5.2f} | "
+      "{:>6.2f} | {:>5}/{:<5} {:>5} {:>6.3f} {:>5.2f} {:>6.2f} {:>5} | {:>6.3f} {:>5.2f} {:>6.3f} | {:>6.2f} "
+      "{:>6.2f} | {:>6.3f} {:>5.2f} | "
       "{:>5}\n",
       name, name_width, s.found, s.airborne, s.reported, s.contact_found, s.contact, s.invented, s.cut,
       centre_rms_px(s), s.mahalanobis.normalized(), std::max(s.x_px.largest, s.y_px.largest),
       s.diameter_px.rms(), s.diameter_px.normalized(), s.diameter_px.largest, s.lines_found, s.lines,
       s.lines_reported, degrees(s.equator_rad.rms()), s.equator_rad.normalized(),
-      degrees(s.equator_rad.largest), s.lines_invented, s.top_px.rms(), s.contact_width_px.rms(), s.surface_px.rms(),
+      degrees(s.equator_rad.largest), s.lines_invented, degrees(s.tilt_rad.rms()), s.tilt_rad.normalized(),
+      degrees(s.tilt_rad.bias()), s.top_px.rms(), s.contact_width_px.rms(), s.surface_px.rms(),
       s.surface_px.normalized(), s.wild());
   std::fflush(stdout);
 }
 
 std::string score_csv_head() {
   return "airborne,found,reported,contact,contact_found,invented,cut,centre_px,centre_normalized,diameter_px,"
-         "diameter_normalized,lines,lines_found,lines_reported,equator_deg,equator_normalized,top_px,surface_"
-         "px,surface_normalized,wild";
+         "diameter_normalized,lines,lines_found,lines_reported,equator_deg,equator_normalized,tilt_deg,tilt_"
+         "normalized,tilt_bias_deg,top_px,surface_px,surface_normalized,wild";
 }
 
 std::string score_csv(const Score& s) {
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", s.airborne, s.found,
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", s.airborne, s.found,
                      s.reported, s.contact, s.contact_found, s.invented, s.cut, field(centre_rms_px(s)),
                      field(s.mahalanobis.normalized()), field(s.diameter_px.rms()),
                      field(s.diameter_px.normalized()), s.lines, s.lines_found, s.lines_reported,
                      field(degrees(s.equator_rad.rms())), field(s.equator_rad.normalized()),
-                     field(s.top_px.rms()), field(s.surface_px.rms()), field(s.surface_px.normalized()),
+                     field(degrees(s.tilt_rad.rms())), field(s.tilt_rad.normalized()),
+                     field(degrees(s.tilt_rad.bias())), field(s.top_px.rms()), field(s.surface_px.rms()), field(s.surface_px.normalized()),
                      s.wild());
 }
 
