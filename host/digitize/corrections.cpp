@@ -134,6 +134,9 @@ class Editor {
       image.equator_sd_rad = m.equator_sd_rad.value_or(kManualEquator_sd_rad);
     }
     if (m.no_equator) image.equator_rad.reset(), image.equator_sd_rad.reset();
+    if (m.equator_rad || m.no_equator)
+      image.equator_tilt_rad.reset(), image.equator_tilt_sd_rad.reset(),
+          image.equator_tilt_correlation.reset();
     if (m.leg) image.leg = m.leg;
     if (m.top) {
       const cv::Point2d top = plane(*m.top);

@@ -300,9 +300,17 @@ class Digitizer {
         reject(result_.outlines[i], "equator", equators[i].error());
         continue;
       }
-      result_.frame.images[i].equator_rad = equators[i]->angle_rad;
-      result_.frame.images[i].equator_sd_rad = equators[i]->sd_rad;
+      set_equator(*equators[i], result_.frame.images[i]);
     }
+  }
+
+  static void set_equator(const Equator& equator, BallImage& image) {
+    image.equator_rad = equator.angle_rad;
+    image.equator_sd_rad = equator.sd_rad;
+    if (!equator.tilt) return;
+    image.equator_tilt_rad = equator.tilt->tilt_rad;
+    image.equator_tilt_sd_rad = equator.tilt->sd_rad;
+    image.equator_tilt_correlation = equator.tilt->correlation;
   }
 
   const Photograph& photograph_;

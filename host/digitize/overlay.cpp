@@ -185,6 +185,25 @@ void draw_top(Canvas& canvas, const BallImage& image, const cv::Scalar& colour) 
   canvas.curve({{top.x - 25, top.y}, {top.x + 25, top.y}}, false, colour, canvas.thickness());
 }
 
+/// Both ends of the line as it is seen, and a little beyond.
+void draw_line(Canvas& canvas, const BallImage& image, const cv::Scalar& colour) {
+  if (!image.equator_rad) return;
+  constexpr double kFrom = 0.25, kBeyond = 1.12;  // radii
+  constexpr int kPoints = 24;
+  const cv::Point2d centre(image.centre_px.x, image.centre_px.y);
+  const double half = 0.5 * image.diameter_px, sine = std::sin(image.equator_tilt_rad.value_or(0.0));
+  const cv::Point2d along(half * std::cos(*image.equator_rad), half * std::sin(*image.equator_rad));
+  const cv::Point2d left(-along.y * sine, along.x * sine);
+  for (const double end : {-1.0, 1.0}) {
+    std::vector<cv::Point2d> points{centre + end * kBeyond * along};
+    for (int k = 0; k <= kPoints; ++k) {
+      const double turn = std::asin(kFrom) * k / kPoints + 0.5 * std::numbers::pi * (kPoints - k) / kPoints;
+      points.push_back(centre + end * std::sin(turn) * along + std::cos(turn) * left);
+    }
+    canvas.curve(points, false, colour, 1);
+  }
+}
+
 void draw_image(Canvas& canvas, const PlaneMap& map, const BallImage& image) {
   const cv::Point2d centre(image.centre_px.x, image.centre_px.y);
   const cv::Scalar colour = colour_of(image);
@@ -192,11 +211,7 @@ void draw_image(Canvas& canvas, const PlaneMap& map, const BallImage& image) {
     canvas.ellipse(map.outline(centre, image.diameter_px), colour, canvas.thickness());
   canvas.cross(centre, 8.0, colour);
   draw_top(canvas, image, colour);
-  if (!image.equator_rad) return;
-  const cv::Point2d along(std::cos(*image.equator_rad), std::sin(*image.equator_rad));
-  const double half = 0.5 * image.diameter_px;
-  canvas.curve({centre - 1.12 * half * along, centre - 0.25 * half * along}, false, colour, 1);
-  canvas.curve({centre + 0.25 * half * along, centre + 1.12 * half * along}, false, colour, 1);
+  draw_line(canvas, image, colour);
 }
 
 std::string label_of(const BallImage& image, std::size_t index) {

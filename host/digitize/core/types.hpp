@@ -85,11 +85,19 @@ struct Outline {
   double diameter_sd() const { return std::sqrt(std::max(0.0, covariance(2, 2))); }
 };
 
-/// The line drawn around the ball's equator, seen as a diameter.
+/// The line drawn around the ball's equator, seen as a diameter or half an ellipse, as in
+/// reduction::BallImage.
 struct Equator {
-  double angle_rad = 0.0;  ///< counter-clockwise from +x, 0 to pi
+  double angle_rad = 0.0;  ///< of its ends, counter-clockwise from +x, 0 to pi
   double sd_rad = 0.0;
-  double contrast = 0.0;  ///< share of the ball's brightness that the line takes, 0 to 1
+  struct Tilt {
+    double tilt_rad =
+        0.0;  ///< of its plane out of the line of sight: what is seen of it is left of angle_rad
+    double sd_rad = 0.0;
+    double correlation = 0.0;  ///< of angle and tilt
+  };
+  std::optional<Tilt> tilt;  ///< absent: too little of the line is seen
+  double contrast = 0.0;     ///< share of the ball's brightness that the line takes, 0 to 1
 };
 
 }  // namespace strobe::digitize

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace strobe::digitize {
 namespace {
@@ -141,7 +142,8 @@ struct ProfileFit {
 };
 
 /// Background of second order and the line's darkness.
-ProfileFit fit_profile(const LineProfile& profile, const std::array<double, LineProfile::kBins>& darkness) {
+ProfileFit fit_profile(const LineProfile::Sums& profile,
+                       const std::array<double, LineProfile::kBins>& darkness) {
   cv::Matx33d normal = cv::Matx33d::eye() * 1e-9;
   cv::Vec3d right;
   double square = 0.0;
@@ -174,7 +176,8 @@ std::vector<LinePoint> points_near(BallPixels& pixels, const EquatorLine& line) 
     for (const BallPixels::Pixel& pixel : pixels.row(j, kShapeInner, band)) {
       if (!pixel.usable || pixel.shading <= pixels.floor()) continue;
       if (std::abs(coordinates.across(pixel.u, pixel.v, pixel.z)) > within) continue;
-      points.push_back({pixel.u, pixel.v, pixel.z, pixel.residual / pixel.shading,
+      const cv::Point2f slope = pixels.shading().gradient(pixel.u, pixel.v, pixel.z) * (1.0F / pixel.shading);
+      points.push_back({pixel.u, pixel.v, pixel.z, slope, pixel.residual / pixel.shading,
                         pixel.shading * pixel.shading / (pixel.variance + floor2)});
     }
   }
@@ -187,16 +190,21 @@ void LineProfile::add(std::span<const LinePoint> points, const EquatorLine& line
     const double f = coordinates.across(point.u, point.v, point.z);
     const double bin = (f / kWithin + 1.0) * 0.5 * kBins;
     if (!(bin >= 0.0 && bin < kBins)) continue;
+    const cv::Point2d steep = coordinates.gradient(point.u, point.v, point.z);
+    const auto which = static_cast<std::size_t>(std::max(0.0, 2.0 * std::log2(cv::norm(steep)) + 0.5));
+    if (which >= of_steepness.size()) continue;
     const auto at = static_cast<std::size_t>(bin);
-    sum[at] += static_cast<double>(point.weight) * point.x;
-    weight[at] += point.weight;
+    of_steepness[which].sum[at] += static_cast<double>(point.weight) * point.x;
+    of_steepness[which].weight[at] += point.weight;
   }
 }
 
 void LineProfile::add(const LineProfile& other) {
-  for (std::size_t bin = 0; bin < kBins; ++bin) {
-    sum[bin] += other.sum[bin];
-    weight[bin] += other.weight[bin];
+  for (std::size_t which = 0; which < of_steepness.size(); ++which) {
+    for (std::size_t bin = 0; bin < kBins; ++bin) {
+      of_steepness[which].sum[bin] += other.of_steepness[which].sum[bin];
+      of_steepness[which].weight[bin] += other.of_steepness[which].weight[bin];
+    }
   }
 }
 
@@ -207,8 +215,11 @@ ShapeGrid::ShapeGrid(double radius) {
       const LineShape shape{half, soft};
       if (shape.reach() > 0.8 * kWithin) continue;
       Trial& trial = trials_.emplace_back(Trial{shape, {}});
-      for (int bin = 0; bin < LineProfile::kBins; ++bin)
-        trial.darkness[static_cast<std::size_t>(bin)] = shape.darkness(bin_middle(bin));
+      for (std::size_t which = 0; which < trial.darkness.size(); ++which) {
+        const LineShape seen{half, soft * LineProfile::kSteepness[which]};
+        for (int bin = 0; bin < LineProfile::kBins; ++bin)
+          trial.darkness[which][static_cast<std::size_t>(bin)] = seen.darkness(bin_middle(bin));
+      }
     }
   }
 }
@@ -217,9 +228,17 @@ LineShape ShapeGrid::best(const LineProfile& profile) const {
   LineShape best;
   double least = 1e300;
   for (const Trial& trial : trials_) {
-    const ProfileFit fit = fit_profile(profile, trial.darkness);
-    if (!(fit.contrast > 0.0 && fit.residual < least)) continue;
-    least = fit.residual;
+    double dark = 0.0, residual = 0.0;
+    for (std::size_t which = 0; which < trial.darkness.size(); ++which) {
+      const auto& seen = profile.of_steepness[which];
+      const double weight = std::reduce(seen.weight.begin(), seen.weight.end());
+      if (weight <= 0.0) continue;
+      const ProfileFit fit = fit_profile(seen, trial.darkness[which]);
+      dark += weight * fit.contrast;
+      residual += fit.residual;
+    }
+    if (!(dark > 0.0 && residual < least)) continue;
+    least = residual;
     best = trial.shape;
   }
   return best;

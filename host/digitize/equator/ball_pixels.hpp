@@ -73,17 +73,23 @@ class BallPixels {
 /// A pixel near a line, in unit coordinates.
 struct LinePoint {
   float u = 0.0F, v = 0.0F, z = 0.0F;
+  cv::Point2f slope;    ///< of the shading's logarithm, per radius
   float x = 0.0F;       ///< residual over the ball's shading
   float weight = 0.0F;  ///< inverse variance of x, up to a common factor
 };
 
 std::vector<LinePoint> points_near(BallPixels& pixels, const EquatorLine& line);
 
-/// Weighted sums of the residuals across a line.
+/// Weighted sums of the residuals across a line, where f is about so steep: of a tilted line it is steeper
+/// the nearer to the outline, and the photograph's blur counts for more.
 struct LineProfile {
   static constexpr int kBins = 81;
-  std::array<double, kBins> sum{};
-  std::array<double, kBins> weight{};
+  static constexpr std::array kSteepness{1.0, 1.4, 2.0, 2.8};
+  struct Sums {
+    std::array<double, kBins> sum{};
+    std::array<double, kBins> weight{};
+  };
+  std::array<Sums, kSteepness.size()> of_steepness{};
 
   void add(std::span<const LinePoint> points, const EquatorLine& line);
   void add(const LineProfile& other);
@@ -103,7 +109,7 @@ class ShapeGrid {
  private:
   struct Trial {
     LineShape shape;
-    std::array<double, LineProfile::kBins> darkness{};
+    std::array<std::array<double, LineProfile::kBins>, LineProfile::kSteepness.size()> darkness{};
   };
   std::vector<Trial> trials_;
 };

@@ -16,6 +16,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Found : LineChoice {
   LineSearch search;
+  TiltRange range = TiltRange::slight;
 };
 
 /// The photograph binned to one resolution.
@@ -42,9 +43,8 @@ std::vector<std::size_t> line_neighbours(const Scene& scene, std::size_t k, cons
       const EquatorLine &a = found[k].fit->line, &b = found[other].fit->line;
       const cv::Point2d middle =
           scene.discs[k].unit(scene.discs[other].centre_image.x, scene.discs[other].centre_image.y);
-      const bool same =
-          std::abs(std::remainder(a.angle_rad - b.angle_rad, std::numbers::pi)) < 5.0 * kDegree &&
-          std::abs(LineCoordinates(a).across(middle.x, middle.y)) < 0.1;
+      const bool same = angle_between(a, b) < 5.0 * kDegree &&
+                        std::abs(LineCoordinates(a).across(middle.x, middle.y)) < 0.1;
       if (same && found[k].score > found[other].score) continue;
     }
     result.push_back(other);
@@ -66,8 +66,9 @@ BallPixels pixels_of(const Scene& scene, const Level& level, std::size_t k, cons
 void search(const Scene& scene, std::size_t k, const std::vector<Found>& others,
             const std::optional<TypicalLine>& typical, Found& found) {
   BallPixels pixels = pixels_of(scene, scene.coarse, k, others);
-  found.search = search_line(pixels, scene.effort);
-  static_cast<LineChoice&>(found) = choose_line(pixels, found.search, *scene.coarse.shapes, typical);
+  found.search = search_line(pixels, scene.effort, found.range);
+  static_cast<LineChoice&>(found) =
+      choose_line(pixels, found.search, *scene.coarse.shapes, found.range, typical);
 }
 
 bool has_line_beside(const Scene& scene, std::size_t k, const std::vector<Found>& found) {
@@ -109,30 +110,89 @@ bool refine(const Scene& scene, std::size_t k, std::span<const LinePoint> points
             Found& found) {
   EquatorLine start = found.fit->line;
   start.shape = shape;
-  const auto fit = fit_fine(scene, k, points, start, line_fit_settings(scene.discs[k], nullptr));
+  const auto fit = fit_fine(scene, k, points, start,
+                            line_fit_settings(scene.discs[k], found.range, start.tilt_rad, nullptr));
   if (!fit || check_line(*fit, true) || fit->line.contrast <= 0.5 * found.fit->line.contrast) return false;
   found.fit = fit;
   return true;
 }
 
+/// How far from a great circle the drawn line is, as the other images show it: to which side of an image's
+/// line is not known.
+struct CommonOffset {
+  double offset = 0.0, sd = 0.0;  ///< radii
+};
+
+struct MeasuredOffset {
+  double offset = 0.0, variance = 0.0;
+};
+
+/// Of the sizes of the offsets of all images but one. Returns nullopt if they tell none.
+std::optional<CommonOffset> common_offset(std::span<const std::optional<MeasuredOffset>> offsets,
+                                          std::size_t but) {
+  constexpr std::size_t kFewestOthers = 3;
+  constexpr double kClear_sd = 5.0;  // below, a mean of sizes is one of noise
+  double weights = 0.0, sum = 0.0;
+  std::vector<MeasuredOffset> used;
+  for (std::size_t k = 0; k < offsets.size(); ++k) {
+    if (k == but || !offsets[k]) continue;
+    used.push_back(*offsets[k]);
+    weights += 1.0 / used.back().variance;
+    sum += std::abs(used.back().offset) / used.back().variance;
+  }
+  if (used.size() < kFewestOthers) return std::nullopt;
+  const double offset = sum / weights;
+  double squares = 0.0;
+  for (const MeasuredOffset& one : used) squares += std::pow(std::abs(one.offset) - offset, 2) / one.variance;
+  // What is scattered by more than its noise is known no better than its scatter tells.
+  const double excess = std::max(1.0, squares / static_cast<double>(used.size() - 1));
+  const double sd = std::sqrt(excess / weights);
+  if (offset < kClear_sd * std::sqrt(excess * static_cast<double>(used.size()) / weights))
+    return std::nullopt;
+  return CommonOffset{offset, sd};
+}
+
 /// Fits again with priors of offset and tilt from all images, as all show the same line: the angle of a line
-/// of which one end is visible becomes more certain.
+/// of which one end is visible becomes more certain, and so does the tilt of a line that is on no great
+/// circle.
 void fit_with_common_priors(const Scene& scene, const std::vector<Near>& near, std::vector<Found>& found) {
-  std::vector<double> offsets, tilts;
-  for (const Found& one : found) {
-    if (!one.accepted) continue;
-    offsets.push_back(std::abs(one.fit->line.offset));
-    tilts.push_back(std::abs(one.fit->line.tilt_rad));
+  constexpr double kTold_sd = 4.0;  // a tilt of so many is none by chance
+  std::vector<double> sizes, tilts;
+  std::vector<std::optional<MeasuredOffset>> offsets(found.size());
+  std::vector<std::optional<Unbiased>> unbiased(found.size());
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (!found[k].accepted) continue;
+    const LineFit& fit = *found[k].fit;
+    sizes.push_back(std::abs(fit.line.offset));
+    tilts.push_back(std::abs(fit.line.tilt_rad));
+    unbiased[k] = without_prior(fit, fit.prior);
+    if (unbiased[k])
+      offsets[k] = MeasuredOffset{unbiased[k]->line[1], fit.scatter * unbiased[k]->variance(1, 1)};
   }
   constexpr std::size_t kFewestBalls = 5;
-  if (offsets.size() < kFewestBalls) return;
-  const double offset_sd = kSdOverMad * upper_median(offsets), tilt_sd = kSdOverMad * upper_median(tilts);
+  const bool known = sizes.size() >= kFewestBalls;
+  const double offset_sd = kSdOverMad * upper_median(sizes);
+  const double tilt_sd = std::max(kSdOverMad * upper_median(tilts), 0.005);
   for_each_ball(scene, [&](std::size_t k) {
     if (!found[k].accepted) return;
-    LineFitSettings settings = line_fit_settings(scene.discs[k], nullptr);
-    settings.offset_sd = std::min(settings.offset_sd, std::hypot(offset_sd, scene.discs[k].centre_sd));
-    settings.tilt_sd = std::min(settings.tilt_sd, std::max(tilt_sd, 0.005));
-    const auto fit = fit_fine(scene, k, near[k].points, found[k].fit->line, settings);
+    const LineFit& before = *found[k].fit;
+    const Disc& disc = scene.discs[k];
+    LineFitSettings settings = line_fit_settings(disc, found[k].range, before.line.tilt_rad, nullptr);
+    const auto common = common_offset(offsets, k);
+    if (!known && !common) return;
+    if (common && offsets[k]) {
+      // Which side is likely: the means of two normal distributions, and what not knowing it adds.
+      const double side = std::tanh(offsets[k]->offset * common->offset / offsets[k]->variance);
+      settings.offset = side * common->offset;
+      settings.offset_sd =
+          std::hypot(common->sd, common->offset * std::sqrt(1.0 - side * side), disc.centre_sd);
+    } else if (known) {
+      settings.offset_sd = std::min(settings.offset_sd, std::hypot(offset_sd, disc.centre_sd));
+    }
+    const bool tilted = unbiased[k] && std::abs(unbiased[k]->line[2]) >
+                                           kTold_sd * std::sqrt(before.scatter * unbiased[k]->variance(2, 2));
+    if (known && !tilted) settings.tilt_sd = std::min(settings.tilt_sd, tilt_sd);
+    const auto fit = fit_fine(scene, k, near[k].points, before.line, settings);
     if (fit) found[k].fit = fit;
   });
 }
@@ -193,6 +253,21 @@ Scatter common_scatter(const std::vector<Found>& found) {
   return scatter;
 }
 
+/// As the image alone tells it, for that the tilts are alike tells nothing of a spin that changes them.
+/// `factor`: of the fit's variances.
+std::optional<Equator::Tilt> tilt_of(const LineFit& fit, double factor, double angle_sd_rad,
+                                     double floor_rad) {
+  constexpr double kMostSd_rad = 10.0 * kDegree;  // beyond, the fit is not linear
+  const auto free = without_prior(fit, cv::Matx33d::diag({0.0, 0.0, fit.prior(2, 2)}));
+  if (!free || std::abs(free->line[2]) > kMostTilt_rad) return std::nullopt;
+  Equator::Tilt tilt;
+  tilt.tilt_rad = free->line[2];
+  tilt.sd_rad = std::hypot(std::sqrt(factor * free->variance(2, 2)), floor_rad);
+  if (!(tilt.sd_rad < kMostSd_rad)) return std::nullopt;
+  tilt.correlation = std::clamp(factor * fit.variance(0, 2) / (angle_sd_rad * tilt.sd_rad), -0.999, 0.999);
+  return tilt;
+}
+
 Measured<Equator> result(const Disc& disc, const Found& found, const Scatter& scatter) {
   if (!found.accepted) return tl::unexpected<Rejection>(found.why);
   constexpr double kPriorDegrees = 12.0;
@@ -203,15 +278,22 @@ Measured<Equator> result(const Disc& disc, const Found& found, const Scatter& sc
   Equator equator;
   // A fiftieth of a pixel at the outline: shading residuals without any noise.
   const double floor_rad = std::max(0.01 * kDegree, 0.02 / disc.radius_image_px);
-  equator.sd_rad = std::hypot(std::sqrt(variance * scatter.correlation * fit.angle_variance), floor_rad);
+  const double factor = variance * scatter.correlation;
+  equator.sd_rad = std::hypot(std::sqrt(factor * fit.variance(0, 0)), floor_rad);
   if (!(equator.sd_rad < 3.0 * kDegree))
     return tl::unexpected<Rejection>(
         Rejection{Reason::imprecise, fmt::format("sd of {:.1f} degrees", equator.sd_rad / kDegree)});
   const cv::Vec2d along =
       disc.plane_from_unit * cv::Vec2d(std::cos(fit.line.angle_rad), std::sin(fit.line.angle_rad));
   equator.angle_rad = std::atan2(along[1], along[0]);
-  if (equator.angle_rad < 0.0) equator.angle_rad += std::numbers::pi;
-  if (equator.angle_rad >= std::numbers::pi) equator.angle_rad -= std::numbers::pi;
+  equator.tilt = tilt_of(fit, factor, equator.sd_rad, floor_rad);
+  const bool reversed = equator.angle_rad < 0.0 || equator.angle_rad >= std::numbers::pi;
+  if (reversed) equator.angle_rad += equator.angle_rad < 0.0 ? std::numbers::pi : -std::numbers::pi;
+  if (equator.angle_rad >= std::numbers::pi) equator.angle_rad = 0.0;
+  if (reversed && equator.tilt) {
+    equator.tilt->tilt_rad *= -1.0;
+    equator.tilt->correlation *= -1.0;
+  }
   equator.contrast = std::min(1.0, fit.line.contrast);
   return equator;
 }
@@ -255,16 +337,46 @@ Scene prepare(const Photograph& photograph, const PlaneMap& map, std::span<const
   return scene;
 }
 
-void find_lines(const Scene& scene, std::vector<Found>& found) {
-  const std::vector<Found> nothing(found.size());
-  for_each_ball(scene, [&](std::size_t k) { search(scene, k, nothing, {}, found[k]); });
-  // Again, with the others' lines subtracted and the typical line known.
+/// With the others' lines subtracted and the typical line known.
+void search_again(const Scene& scene, std::vector<Found>& found) {
   const auto typical = typical_line(found);
   const std::vector<Found> before = found;
   for_each_ball(scene, [&](std::size_t k) {
     if (before[k].accepted || before[k].search.peaks.empty()) return;
     if (typical || has_line_beside(scene, k, before)) search(scene, k, before, typical, found[k]);
   });
+}
+
+/// Where so many balls have no line, or one that is tilted as far as was searched, that they may spin about
+/// another axis than the line of sight: lines of all tilts.
+void search_steep(const Scene& scene, std::vector<Found>& found) {
+  constexpr double kSteep_rad = 0.25;
+  const auto steep = [&](const Found& one) {
+    return !one.accepted || std::abs(one.fit->line.tilt_rad) > kSteep_rad;
+  };
+  std::size_t searched = 0, without = 0;
+  for (const Found& one : found) {
+    if (one.search.visible < 0.7) continue;
+    ++searched;
+    if (steep(one)) ++without;
+  }
+  if (3 * without <= searched) return;
+  const std::vector<Found> before = found;
+  for_each_ball(scene, [&](std::size_t k) {
+    if (!steep(before[k]) || before[k].search.peaks.empty()) return;
+    Found wide;
+    wide.range = TiltRange::all;
+    search(scene, k, before, {}, wide);
+    if (wide.accepted || !before[k].accepted) found[k] = std::move(wide);
+  });
+  search_again(scene, found);
+}
+
+void find_lines(const Scene& scene, std::vector<Found>& found) {
+  const std::vector<Found> nothing(found.size());
+  for_each_ball(scene, [&](std::size_t k) { search(scene, k, nothing, {}, found[k]); });
+  search_again(scene, found);
+  search_steep(scene, found);
 }
 
 /// Fits all lines again with their common shape, as they are one ball's.

@@ -1,6 +1,7 @@
-// The angle of the dark line around a ball's equator on its images. It is a diameter when the ball spins
-// about the line of sight; a tilt shows as half an ellipse. Seams, print, felt and overlapping images are
-// distinguished from it; ambiguous lines are rejected. Deterministic; thread-safe; allocates.
+// Angle and tilt of the dark line around a ball's equator on its images. It is a diameter when the ball spins
+// about the line of sight; a tilt shows as half an ellipse, told up to 70 degrees. Seams, print, felt and
+// overlapping images are distinguished from it; ambiguous lines are rejected. Deterministic; thread-safe;
+// allocates.
 #pragma once
 
 #include <span>

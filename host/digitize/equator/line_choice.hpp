@@ -10,6 +10,8 @@
 
 namespace strobe::digitize {
 
+inline constexpr double kMostTilt_rad = 1.25;  ///< beyond, a line runs along the outline
+
 /// The line as most balls of the photograph show it.
 struct TypicalLine {
   double contrast = 0.0;
@@ -26,8 +28,9 @@ struct LineChoice {
   Rejection why{Reason::at_border, "outside of the photograph"};
 };
 
-/// Settings of fit_line() for that disc. shapes: see LineFitSettings.
-LineFitSettings line_fit_settings(const Disc& disc, const ShapeGrid* shapes);
+/// Settings of fit_line() for a line of about that tilt on that disc. shapes: see LineFitSettings.
+LineFitSettings line_fit_settings(const Disc& disc, TiltRange range, double tilt_rad,
+                                  const ShapeGrid* shapes);
 
 /// Why a fitted line is rejected. Returns nullopt if it passes. `typical`: it is known to look like most
 /// balls' lines, and the limits are lower.
@@ -35,7 +38,8 @@ std::optional<Rejection> check_line(const LineFit& fit, bool typical);
 
 /// Without the typical line, accepts only what stands out from any seam, print or felt; with it, also what
 /// looks like it and has no rival that does.
-LineChoice choose_line(BallPixels& pixels, const LineSearch& search, const ShapeGrid& shapes,
+/// `range`: of the search.
+LineChoice choose_line(BallPixels& pixels, const LineSearch& search, const ShapeGrid& shapes, TiltRange range,
                        const std::optional<TypicalLine>& typical);
 
 }  // namespace strobe::digitize

@@ -12,6 +12,7 @@ constexpr double kInner = 0.95;  ///< radii of the disc that are used
 constexpr int kMaxSegments = 24;
 constexpr double kMinSegment_px = 5.0;
 constexpr int kRounds = 3;
+constexpr double kFlat_rad = 0.1;  ///< less tilted, a line is a diameter as far as segments are concerned
 
 using SegmentTerms = cv::Vec<double, 5>;
 using SegmentNormal = cv::Matx<double, 5, 5>;
@@ -79,17 +80,99 @@ void add(Sums& s, const LinePoint& point, double along, double f, double dark, d
   s.information += information;
 }
 
-std::vector<Sums> sum_segments(std::span<const LinePoint> points, const EquatorLine& line, double within,
-                               int count) {
-  std::vector<Sums> sums(static_cast<std::size_t>(count));
-  const LineCoordinates coordinates(line);
-  const ShapeTable shape(line.shape);
+/// Where the half ellipse is cut, and how dark it is across.
+class Cuts {
+ public:
+  Cuts(const EquatorLine& line, double radius) : line_(line), most_(kInner) {
+    const double length = std::abs(line.tilt_rad) < kFlat_rad ? 2.0 * kInner : lengths();
+    count_ = std::clamp(static_cast<int>(length * radius / kMinSegment_px), 6, kMaxSegments);
+    LineShape shape = line.shape;
+    for (int k = 0; k == 0 || (k < kShapes && !length_.empty()); ++k) {
+      shapes_.emplace_back(shape);
+      shape.soft *= kSteepnessStep;
+    }
+  }
+
+  int count() const { return count_; }
+  /// Of a point's u'; outside of 0 to count() - 1 beyond the ends.
+  int segment(double along) const {
+    const double place = (along / most_ + 1.0) * 0.5;
+    if (length_.empty()) return static_cast<int>(place * count_);
+    if (!(place >= 0.0 && place < 1.0)) return -1;
+    const double step = place * kSteps;
+    const auto k = static_cast<std::size_t>(step);
+    const double share = length_[k] + (step - static_cast<double>(k)) * (length_[k + 1] - length_[k]);
+    return static_cast<int>(share * count_);
+  }
+  /// Where f is that steep: the blur is one of the photograph.
+  const ShapeTable& shape(double steepness) const {
+    if (length_.empty()) return shapes_.front();
+    const double place = std::log(steepness) * (1.0 / std::log(kSteepnessStep)) + 0.5;
+    return shapes_[static_cast<std::size_t>(std::clamp(place, 0.0, kShapes - 1.0))];
+  }
+  /// How far from the line's middle the ball's own brightness is measured.
+  double far() const { return within(shape(1.0 / std::cos(line_.tilt_rad))); }
+  static double within(const ShapeTable& shape) { return 1.7 * shape.reach() + 0.02; }
+
+ private:
+  static constexpr int kSteps = 128;
+  static constexpr int kShapes = 30;  ///< to a steepness of 4
+  static constexpr double kSteepnessStep = 1.05;
+
+  /// Returns the length of what is within kInner. [radii]
+  double lengths() {
+    const double cosine = std::cos(line_.tilt_rad), tangent = std::tan(line_.tilt_rad);
+    most_ = std::sqrt(std::max(0.04, 1.0 - (1.0 - kInner * kInner) / (cosine * cosine)));
+    length_.push_back(0.0);
+    const double tilted = tangent * tangent * cosine * cosine;
+    for (int k = 0; k < kSteps; ++k) {
+      const double along = most_ * (2.0 * (k + 0.5) / kSteps - 1.0), along2 = along * along;
+      const double slope2 = tilted * along2 / (1.0 - along2);
+      length_.push_back(length_.back() + std::sqrt(1.0 + slope2) * 2.0 * most_ / kSteps);
+    }
+    const double all = length_.back();
+    for (double& length : length_) length /= all;
+    return all;
+  }
+
+  const EquatorLine& line_;
+  double most_;  ///< u' of the ends
+  int count_ = 0;
+  std::vector<double> length_;  ///< from the one end, as a share, at even u'; empty: proportional to u'
+  std::vector<ShapeTable> shapes_;
+};
+
+/// Blur moves a dark line towards what is brighter and to the inner side of its bend.
+class Blurred {
+ public:
+  Blurred(const EquatorLine& line, double blur)
+      : coordinates_(line), variance_(std::pow(std::min(blur, line.shape.soft), 2)) {}
+  double along(const LinePoint& p) const { return coordinates_.along(p.u, p.v); }
+  /// And how steep that is.
+  std::pair<double, double> across(const LinePoint& p) const {
+    const double u = p.u, v = p.v, z = p.z;
+    const cv::Point2d steep = coordinates_.gradient(u, v, z);
+    const double bend = 0.5 * coordinates_.sin_tilt() * (1.0 + z * z) / (z * z * z);
+    return {coordinates_.across(u, v, z) + variance_ * (bend + steep.x * p.slope.x + steep.y * p.slope.y),
+            std::hypot(steep.x, steep.y)};
+  }
+
+ private:
+  LineCoordinates coordinates_;
+  double variance_;
+};
+
+std::vector<Sums> sum_segments(std::span<const LinePoint> points, const EquatorLine& line, const Cuts& cuts,
+                               double blur) {
+  std::vector<Sums> sums(static_cast<std::size_t>(cuts.count()));
+  const Blurred coordinates(line, blur);
   for (const LinePoint& point : points) {
-    const double f = coordinates.across(point.u, point.v, point.z);
-    if (std::abs(f) > within) continue;
-    const double along = coordinates.along(point.u, point.v);
-    const int which = static_cast<int>((along / kInner + 1.0) * 0.5 * count);
-    if (which < 0 || which >= count) continue;
+    const auto [f, steepness] = coordinates.across(point);
+    const ShapeTable& shape = cuts.shape(steepness);
+    if (std::abs(f) > Cuts::within(shape)) continue;
+    const double along = coordinates.along(point);
+    const int which = cuts.segment(along);
+    if (which < 0 || which >= cuts.count()) continue;
     const auto [dark, derivative] = shape.at(f);
     add(sums[static_cast<std::size_t>(which)], point, along, f, dark, derivative, line.contrast);
   }
@@ -108,17 +191,18 @@ void centre_others(Sums& s, double contrast) {
   s.widening = centre.t() * s.widening;
 }
 
-Segments measure_segments(std::span<const LinePoint> points, const EquatorLine& line, int count) {
-  const double within = 1.7 * line.shape.reach() + 0.02;
+Segments measure_segments(std::span<const LinePoint> points, const EquatorLine& line, const Cuts& cuts,
+                          double blur) {
   Segments result;
-  for (Sums& s : sum_segments(points, line, within, count)) {
+  const double far = cuts.far();
+  for (Sums& s : sum_segments(points, line, cuts, blur)) {
     if (s.count < 20.0 || s.information <= 0.0) continue;
     for (int a = 0; a < 5; ++a)
       for (int b = 0; b < a; ++b) s.normal(b, a) = s.normal(a, b);
     centre_others(s, line.contrast);
     // Weak priors of the gradient, which is degenerate with the shift where one flank is hidden, and of the
     // neighbours' light, which is degenerate where it is even.
-    s.normal(1, 1) += 0.02 * s.weight * within * within;
+    s.normal(1, 1) += 0.02 * s.weight * far * far;
     s.normal(4, 4) += 0.002 * s.weight;
     bool solved = false;
     const SegmentNormal inverse = s.normal.inv(cv::DECOMP_CHOLESKY, &solved);
@@ -150,12 +234,19 @@ double weighted_median(std::vector<std::pair<double, double>> values) {
   return 0.0;
 }
 
-/// Robust regression of the segments' offsets on the line's angle, offset and tilt: Tukey's biweight, with
-/// priors of offset and tilt.
+/// Angle, offset, tilt; what the line is wider, the ball farther along the line and larger than was assumed.
+using LineTerms = cv::Vec<double, 6>;
+using LineNormal = cv::Matx<double, 6, 6>;
+
+/// Robust regression of the segments' offsets on the line's terms: Tukey's biweight, with priors of all but
+/// the angle.
 class Regression {
  public:
   Regression(LineFit& fit, const LineFitSettings& settings)
-      : fit_(fit), settings_(settings), cos_tilt_(std::cos(fit.line.tilt_rad)) {
+      : fit_(fit),
+        settings_(settings),
+        cos_tilt_(std::cos(fit.line.tilt_rad)),
+        tan_tilt_(std::tan(fit.line.tilt_rad)) {
     for (Segment& segment : fit_.segments) {
       raw_.push_back(segment.offset);
       segment.inlier_weight = 1.0;
@@ -164,7 +255,7 @@ class Regression {
 
   /// Updates the line and its statistics. Returns false if it is not determined.
   bool run() {
-    cv::Vec4d change;
+    LineTerms change;
     for (int round = 0; round < kMaxRounds; ++round) {
       const double variance = scale_ > 0.0 ? scale_ * scale_ : fit_.expected_scatter;
       if (!solve(variance, change)) return false;
@@ -177,11 +268,11 @@ class Regression {
       }
     }
     set_statistics();
-    set_angle_variance();
-    if (!(fit_.angle_variance > 0.0)) return false;
+    if (!set_variance()) return false;
     fit_.line.angle_rad += change[0];
     fit_.line.offset += change[1];
-    fit_.line.tilt_rad = std::clamp(fit_.line.tilt_rad + change[2], -kMaxTilt_rad, kMaxTilt_rad);
+    const double most = settings_.most_tilt_rad;
+    fit_.line.tilt_rad = std::clamp(fit_.line.tilt_rad + change[2], -most, most);
     return true;
   }
 
@@ -190,40 +281,41 @@ class Regression {
   static constexpr int kMaxRounds = 12;
   static constexpr int kScaleRounds = 6;
   static constexpr double kParameters = 2.5;  // the priors take half of one
-  static constexpr double kMaxTilt_rad = 0.45;
 
-  cv::Vec4d row(const Segment& s) const {
-    return {s.along * cos_tilt_, 1.0, std::sqrt(std::max(0.0, 1.0 - s.along * s.along)) * cos_tilt_,
-            s.widening};
+  LineTerms row(const Segment& s) const {
+    const double middle = std::sqrt(std::max(0.04, 1.0 - s.along * s.along)), steep = tan_tilt_ / middle;
+    return {s.along * cos_tilt_, 1.0, middle, s.widening, s.along * steep, steep};
   }
 
-  /// `variance`: of offsets times weight, against which the priors count.
-  void add_priors(double variance, cv::Matx44d& normal) const {
-    normal(1, 1) += variance / (settings_.offset_sd * settings_.offset_sd);
-    normal(2, 2) += variance / (settings_.tilt_sd * settings_.tilt_sd);
-    const double width_sd = ShapeGrid::kHalfWidthSd * fit_.line.shape.half_width;
-    normal(3, 3) += variance / (width_sd * width_sd);
+  /// Weights of the priors against offsets times weight of that variance.
+  LineTerms priors(double variance) const {
+    const auto weight = [&](double sd) { return variance / (sd * sd); };
+    return {0.0,
+            weight(std::hypot(settings_.offset_sd, settings_.centre_sd * tan_tilt_)),
+            weight(settings_.tilt_sd),
+            weight(ShapeGrid::kHalfWidthSd * fit_.line.shape.half_width),
+            weight(std::max(settings_.centre_sd, 1e-5)),
+            weight(std::max(settings_.radius_sd, 1e-5))};
   }
 
-  bool solve(double variance, cv::Vec4d& change) {
-    cv::Matx44d normal;
-    cv::Vec4d right;
+  bool solve(double variance, LineTerms& change) {
+    LineNormal normal;
+    LineTerms right;
     for (std::size_t k = 0; k < raw_.size(); ++k) {
       const Segment& s = fit_.segments[k];
-      const cv::Vec4d x = row(s);
+      const LineTerms x = row(s);
       const double w = s.weight * s.inlier_weight;
       right += x * (w * raw_[k]);
       normal += (x * x.t()) * w;
     }
-    add_priors(variance, normal);
-    right[1] -= variance / (settings_.offset_sd * settings_.offset_sd) * fit_.line.offset;
-    right[2] -= variance / (settings_.tilt_sd * settings_.tilt_sd) * fit_.line.tilt_rad;
+    const LineTerms prior = priors(variance);
+    normal += LineNormal::diag(prior);
+    right[1] += prior[1] * (settings_.offset - fit_.line.offset);
+    right[2] -= prior[2] * fit_.line.tilt_rad;
     bool solved = false;
-    const cv::Matx44d inverse = normal.inv(cv::DECOMP_CHOLESKY, &solved);
-    if (!solved) return false;
-    change = inverse * right;
-    fit_.angle_variance = inverse(0, 0);
-    return true;
+    const LineNormal inverse = normal.inv(cv::DECOMP_CHOLESKY, &solved);
+    if (solved) change = inverse * right;
+    return solved;
   }
 
   /// Median absolute residual, corrected for the fitted parameters.
@@ -261,22 +353,25 @@ class Regression {
     fit_.rms_offset = weights > 0.0 ? std::sqrt(square / weights) : 0.0;
   }
 
-  /// With full weights, as mean psi' accounts for the outliers.
-  void set_angle_variance() {
-    cv::Matx44d normal;
+  /// With full weights, as mean psi' accounts for the outliers. Returns false if the line is not determined.
+  bool set_variance() {
+    LineNormal normal;
     for (const Segment& s : fit_.segments) {
-      const cv::Vec4d x = row(s);
+      const LineTerms x = row(s);
       normal += (x * x.t()) * s.weight;
     }
-    add_priors(fit_.scatter, normal);
+    const LineTerms prior = priors(fit_.scatter);
+    normal += LineNormal::diag(prior);
     bool solved = false;
-    const cv::Matx44d inverse = normal.inv(cv::DECOMP_CHOLESKY, &solved);
-    if (solved) fit_.angle_variance = inverse(0, 0);
+    const LineNormal inverse = normal.inv(cv::DECOMP_CHOLESKY, &solved);
+    fit_.variance = inverse.get_minor<3, 3>(0, 0);
+    fit_.prior = cv::Matx33d::diag({prior[0], prior[1], prior[2]});
+    return solved && fit_.variance(0, 0) > 0.0;
   }
 
   LineFit& fit_;
   const LineFitSettings& settings_;
-  double cos_tilt_;
+  double cos_tilt_, tan_tilt_;
   std::vector<double> raw_;  ///< offsets from the line before the fit
   double scale_ = 0.0;
 };
@@ -322,18 +417,27 @@ bool set_contrast_and_offsets(Segments measured, LineFit& fit) {
 
 }  // namespace
 
+std::optional<Unbiased> without_prior(const LineFit& fit, const cv::Matx33d& weights) {
+  bool told = false;
+  const cv::Matx33d information = fit.variance.inv(cv::DECOMP_CHOLESKY, &told) - weights;
+  if (!told) return std::nullopt;
+  const cv::Matx33d variance = information.inv(cv::DECOMP_CHOLESKY, &told);
+  if (!told) return std::nullopt;
+  const cv::Vec3d line(fit.line.angle_rad, fit.line.offset, fit.line.tilt_rad);
+  return Unbiased{line + variance * (weights * line), variance};
+}
+
 std::optional<LineFit> fit_line(std::span<const LinePoint> points, double radius, const EquatorLine& start,
                                 const LineFitSettings& settings) {
   LineFit fit;
   fit.line = start;
-  const int count = std::clamp(static_cast<int>(2.0 * kInner * radius / kMinSegment_px), 6, kMaxSegments);
   for (int round = 0; round < kRounds; ++round) {
     if (settings.shapes != nullptr && round < 2) {
       LineProfile profile;
       profile.add(points, fit.line);
       fit.line.shape = settings.shapes->best(profile);
     }
-    Segments measured = measure_segments(points, fit.line, count);
+    Segments measured = measure_segments(points, fit.line, Cuts(fit.line, radius), settings.blur);
     if (measured.segments.size() < 5) return std::nullopt;
     if (!set_contrast_and_offsets(std::move(measured), fit)) return std::nullopt;
     if (!Regression(fit, settings).run()) return std::nullopt;

@@ -10,29 +10,32 @@ namespace strobe::digitize {
 namespace {
 
 constexpr double kSearchInner = 0.95;
-constexpr int kMaxCells = 44;      ///< a radius
-constexpr double kTiltMost = 0.3;  ///< 5 degrees of tilt, and what perspective adds off the axis
-constexpr double kClip = 2.5;      ///< sd, largest contribution of one column
+constexpr int kMaxCells = 44;        ///< a radius
+constexpr double kSlightTilt = 0.3;  ///< 5 degrees of tilt, and what perspective adds off the axis
+constexpr double kMostTilt = 1.2;    ///< beyond, hardly half a radius of the line is seen
+constexpr double kClip = 2.5;        ///< sd, largest contribution of one column
 
 /// Narrow lines need finer steps of tilt.
 struct Width {
   double half = 0.0;  ///< radii
-  int tilts = 1;
+  int steps = 1;      ///< of tilt, to kSlightTilt
 };
-constexpr std::array kWidths{Width{0.022, 9}, Width{0.045, 7}, Width{0.09, 5}};
+constexpr std::array kWidths{Width{0.022, 4}, Width{0.045, 3}, Width{0.09, 2}};
 
-double tilt(int index, int tilts) { return kTiltMost * (2.0 * index / (tilts - 1) - 1.0); }
-
-/// The matched filter of one width, in cells.
+/// The matched filter of one width and tilt, in cells.
 struct Pattern {
-  double half_width = 0.0;  ///< radii
-  int tilts = 1;
+  double tilt_rad = 0.0;
   int half = 0;             ///< of the line
   int gap = 0;              ///< from its middle to the nearest cell of its sides
   int side = 0;             ///< width of each
-  std::vector<int> middle;  ///< [tilt][column]
+  std::vector<int> middle;  ///< [column]
 
   int reach() const { return gap + side - 1; }
+};
+
+struct Patterns {
+  double half_width = 0.0;     ///< radii
+  std::vector<Pattern> tilts;  ///< from the least
 };
 
 /// The search grid for balls of one size.
@@ -40,38 +43,42 @@ struct Plan {
   int angles = 0;
   int columns = 0;  ///< along a strip
   int rows = 0;     ///< of a strip, to either side of its middle
-  std::vector<Pattern> patterns;
+  std::vector<Patterns> widths;
 
   double angle(int k) const { return std::numbers::pi * k / angles; }
   double along(int column) const { return 0.94 * (2.0 * (column + 0.5) / columns - 1.0); }
 };
 
-Pattern make_pattern(const Plan& plan, const Width& width, int per_radius) {
+Pattern make_pattern(const Plan& plan, double half_width, double tilt_rad, int per_radius) {
   Pattern pattern;
-  pattern.half_width = width.half;
-  pattern.tilts = width.tilts;
-  pattern.half = std::max(0, static_cast<int>(std::lround(width.half * per_radius - 0.5)));
+  pattern.tilt_rad = tilt_rad;
+  // Along v' a tilted line is foreshortened alike everywhere.
+  if (std::abs(tilt_rad) > kSlightTilt) half_width *= std::cos(tilt_rad);
+  pattern.half = std::max(0, static_cast<int>(std::lround(half_width * per_radius - 0.5)));
   pattern.gap = pattern.half + 2;
   pattern.side = std::max(2, pattern.half + 1);
-  for (int t = 0; t < width.tilts; ++t) {
-    const double sine = std::sin(tilt(t, width.tilts));
-    for (int column = 0; column < plan.columns; ++column) {
-      const double a = plan.along(column);
-      pattern.middle.push_back(static_cast<int>(std::lround(sine * std::sqrt(1.0 - a * a) * per_radius)));
-    }
+  const double sine = std::sin(tilt_rad);
+  for (int column = 0; column < plan.columns; ++column) {
+    const double a = plan.along(column);
+    pattern.middle.push_back(static_cast<int>(std::lround(sine * std::sqrt(1.0 - a * a) * per_radius)));
   }
   return pattern;
 }
 
-Plan make_plan(int per_radius, Effort effort) {
+Plan make_plan(int per_radius, Effort effort, TiltRange range) {
   Plan plan;
   plan.angles = effort == Effort::fast ? 45 : 60;
   plan.columns = effort == Effort::fast ? 28 : 36;
+  const double most = range == TiltRange::all ? kMostTilt : kSlightTilt;
   for (const Width& width : kWidths) {
     if (width.half * per_radius < 0.6) continue;  // finer than the cells
-    plan.patterns.push_back(make_pattern(plan, width, per_radius));
-    plan.rows =
-        std::max(plan.rows, plan.patterns.back().reach() + 1 + static_cast<int>(kTiltMost * per_radius));
+    Patterns& patterns = plan.widths.emplace_back(Patterns{width.half, {}});
+    const int steps = static_cast<int>(std::lround(width.steps * most / kSlightTilt));
+    for (int t = -steps; t <= steps; ++t) {
+      patterns.tilts.push_back(make_pattern(plan, width.half, most * t / steps, per_radius));
+      plan.rows =
+          std::max(plan.rows, patterns.tilts.back().reach() + 1 + static_cast<int>(most * per_radius));
+    }
   }
   return plan;
 }
@@ -209,15 +216,16 @@ struct Table {
   }
 };
 
-Table fill_table(const std::vector<Strip>& strips, const Plan& plan, const Pattern& pattern) {
-  Table table{plan.angles, pattern.tilts, plan.columns, {}};
-  table.dark.resize(strips.size() * pattern.middle.size());
+Table fill_table(const std::vector<Strip>& strips, const Plan& plan, const Patterns& patterns) {
+  Table table{plan.angles, static_cast<int>(patterns.tilts.size()), plan.columns, {}};
+  table.dark.resize(strips.size() * patterns.tilts.size() * static_cast<std::size_t>(plan.columns));
   float* dark = table.dark.data();
   for (const Strip& strip : strips) {
-    const int* middle = pattern.middle.data();
-    for (int t = 0; t < pattern.tilts; ++t)
+    for (const Pattern& pattern : patterns.tilts) {
+      const int* middle = pattern.middle.data();
       for (int column = 0; column < plan.columns; ++column)
         *dark++ = darkness(strip, pattern, column, *middle++);
+    }
   }
   return table;
 }
@@ -254,16 +262,14 @@ Tally tally(std::span<const float> columns, double sd) {
   return result;
 }
 
-double angle_between(double a, double b) { return std::abs(std::remainder(a - b, std::numbers::pi)); }
-
 /// The best line at each angle.
 class BestLines {
  public:
   explicit BestLines(const Plan& plan)
       : plan_(plan), peaks_(static_cast<std::size_t>(plan.angles)), rank_(peaks_.size(), kNoRank) {}
 
-  /// Of one pattern. Returns the largest number of visible columns at any angle.
-  int update(const Table& table, const Pattern& pattern) {
+  /// Of one width. Returns the largest number of visible columns at any angle.
+  int update(const Table& table, const Patterns& patterns) {
     int visible = 0;
     const double sd = spread(table);
     if (!(sd > 0.0)) return visible;
@@ -279,9 +285,9 @@ class BestLines {
         rank_[at] = rank;
         LinePeak& peak = peaks_[at];
         peak.line.angle_rad = plan_.angle(k);
-        peak.line.tilt_rad = tilt(t, table.tilts);
+        peak.line.tilt_rad = patterns.tilts[static_cast<std::size_t>(t)].tilt_rad;
         peak.line.contrast = found.contrast;
-        peak.line.shape.half_width = pattern.half_width;
+        peak.line.shape.half_width = patterns.half_width;
         peak.score = found.score;
       }
     }
@@ -298,9 +304,8 @@ class BestLines {
     std::vector<LinePeak> result;
     for (const std::size_t k : order) {
       if (rank_[k] <= kNoRank || result.size() >= kMaxPlaces) break;
-      const bool near = std::ranges::any_of(result, [&](const LinePeak& peak) {
-        return angle_between(peak.line.angle_rad, peaks_[k].line.angle_rad) < kMinApart;
-      });
+      const bool near = std::ranges::any_of(
+          result, [&](const LinePeak& peak) { return angle_between(peak.line, peaks_[k].line) < kMinApart; });
       if (!near) result.push_back(peaks_[k]);
     }
     return result;
@@ -316,18 +321,18 @@ class BestLines {
 
 }  // namespace
 
-LineSearch search_line(BallPixels& pixels, Effort effort) {
+LineSearch search_line(BallPixels& pixels, Effort effort, TiltRange range) {
   LineSearch search;
   const Cells cells(pixels);
   search.saturated = cells.saturated();
   search.outside = cells.outside();
-  const Plan plan = make_plan(cells.per_radius(), effort);
+  const Plan plan = make_plan(cells.per_radius(), effort, range);
   std::vector<Strip> strips;
   for (int k = 0; k < plan.angles; ++k) strips.emplace_back(cells, plan, plan.angle(k));
   BestLines best(plan);
   int visible = 0;
-  for (const Pattern& pattern : plan.patterns)
-    visible = std::max(visible, best.update(fill_table(strips, plan, pattern), pattern));
+  for (const Patterns& patterns : plan.widths)
+    visible = std::max(visible, best.update(fill_table(strips, plan, patterns), patterns));
   search.visible = static_cast<double>(visible) / plan.columns;
   search.peaks = best.peaks();
   return search;

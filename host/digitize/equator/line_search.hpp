@@ -21,6 +21,10 @@ struct LineSearch {
   double outside = 0.0;         ///< fraction of the disc beyond the photograph's border
 };
 
-LineSearch search_line(BallPixels& pixels, Effort effort);
+/// Which tilts of the line's plane are searched: those of a ball that spins about the line of sight, with
+/// some play; or all up to where the line runs along the outline, which takes several times as long.
+enum class TiltRange { slight, all };
+
+LineSearch search_line(BallPixels& pixels, Effort effort, TiltRange range);
 
 }  // namespace strobe::digitize

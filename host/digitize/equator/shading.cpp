@@ -48,8 +48,10 @@ Disc make_disc(const PlaneMap& map, const Outline& outline) {
   // Two sd of the edge's blur to either side, and about a pixel of the felt's fuzz.
   const double disturbed_px = 2.0 * std::clamp(outline.blur_px, 0.5, 8.0) + 1.5;
   disc.rim = disturbed_px / disc.radius_image_px;
+  disc.blur = outline.blur_px / (0.5 * outline.diameter);
   const double variance = 0.5 * (outline.covariance(0, 0) + outline.covariance(1, 1));
   disc.centre_sd = std::sqrt(std::max(0.0, variance)) / (0.5 * outline.diameter);
+  disc.radius_sd = outline.diameter_sd() / outline.diameter;
   return disc;
 }
 

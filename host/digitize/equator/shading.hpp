@@ -62,10 +62,16 @@ class ShapeTable {
 struct EquatorLine {
   double angle_rad = 0.0;
   double tilt_rad = 0.0;
-  double offset = 0.0;    ///< of its middle, radii
+  double offset = 0.0;    ///< of its plane from the ball's middle, radii
   double contrast = 0.0;  ///< share of the brightness that its middle takes
   LineShape shape;
 };
+
+/// Between the directions of two lines, 0 to pi/2; less for those tilted so far that their ends tell little.
+inline double angle_between(const EquatorLine& a, const EquatorLine& b) {
+  return std::abs(std::remainder(a.angle_rad - b.angle_rad, CV_PI)) *
+         std::cos(std::max(std::abs(a.tilt_rad), std::abs(b.tilt_rad)));
+}
 
 /// Coordinates of points along and across a line.
 class LineCoordinates {
@@ -84,6 +90,12 @@ class LineCoordinates {
   double across(double u, double v, double z) const {
     return (cos_ * v - sin_ * u) * cos_tilt_ - z * sin_tilt_ - offset_;
   }
+  /// Of across().
+  cv::Point2d gradient(double u, double v, double z) const {
+    const double turn = sin_tilt_ / z;
+    return {-sin_ * cos_tilt_ + u * turn, cos_ * cos_tilt_ + v * turn};
+  }
+  double sin_tilt() const { return sin_tilt_; }
 
  private:
   double cos_, sin_, cos_tilt_, sin_tilt_, offset_;
@@ -96,7 +108,9 @@ struct Disc {
   cv::Matx22d plane_from_unit;
   double radius_image_px = 0.0;
   double rim = 0.0;        ///< half width of the ring around the outline that its edge disturbs, radii
+  double blur = 0.0;       ///< sd of its edge's blur, radii
   double centre_sd = 0.0;  ///< radii
+  double radius_sd = 0.0;  ///< radii
 
   cv::Point2d unit(double column, double row) const {
     const double x = column - centre_image.x, y = row - centre_image.y;
@@ -148,6 +162,17 @@ struct Shading {
                     v * (t[2] + u * (t[4] + u * t[7]) + v * (t[5] + u * t[8] + v * t[9]));
     const float q = t[10] + u * (t[11] + u * t[13]) + v * (t[12] + u * t[14] + v * t[15]);
     return p + z * q;
+  }
+  /// Of at().
+  cv::Point2f gradient(float u, float v, float z) const {
+    const auto& t = terms;
+    const float q = t[10] + u * (t[11] + u * t[13]) + v * (t[12] + u * t[14] + v * t[15]);
+    const float along_u =
+        t[1] + u * (2.0F * t[3] + 3.0F * u * t[6]) + v * (t[4] + 2.0F * u * t[7] + v * t[8]);
+    const float along_v =
+        t[2] + v * (2.0F * t[5] + 3.0F * v * t[9]) + u * (t[4] + u * t[7] + 2.0F * v * t[8]);
+    return {along_u + z * (t[11] + 2.0F * u * t[13] + v * t[14]) - u / z * q,
+            along_v + z * (t[12] + u * t[14] + 2.0F * v * t[15]) - v / z * q};
   }
 };
 

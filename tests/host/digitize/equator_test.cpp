@@ -130,6 +130,86 @@ TEST(Equators, AreNotGuessedOfManyBallsOfAllLooksWithoutALine) {
   }
 }
 
+namespace {
+
+/// Errors of lines at any attitude, over stated sds.
+struct TiltErrors {
+  int lines = 0, found = 0, wild = 0;
+  double angle2 = 0.0, tilt2 = 0.0, tilt = 0.0;
+
+  void add(const Equator& equator, const strobe::testing::PaintedLine& truth) {
+    const bool reversed = std::cos(equator.angle_rad - truth.angle_rad) < 0.0;
+    const double angle = std::remainder(equator.angle_rad - truth.angle_rad, std::numbers::pi) / equator.sd_rad;
+    const double off = (equator.tilt->tilt_rad * (reversed ? -1.0 : 1.0) - truth.tilt_rad) / equator.tilt->sd_rad;
+    ++found;
+    angle2 += angle * angle;
+    tilt2 += off * off;
+    tilt += std::copysign(off, off * truth.tilt_rad);
+    if (std::max(std::abs(angle), std::abs(off)) > 5.0) ++wild;
+  }
+};
+
+}  // namespace
+
+// Balls that spin about an axis up to 60 degrees off the line of sight, which none but their tilts tells. Errors
+// over stated sds: of 75 lines the rms is told to 8 %; one kind of felt and one drawn width make five of one
+// photograph alike, so that limits are at three of 20 %; of the mean of 75 likewise at three of .25. Where lamps from
+// the sides meet the outline their shading is no polynomial, which may move one of a photograph's lines further.
+TEST(Equators, AreMeasuredAtAnyAttitudeOnAGreatCircleOrBesideIt) {
+  constexpr int kPhotographs = 5, kImages = 5;
+  constexpr unsigned kSeed = 3;
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  TiltErrors errors;
+  for (const double offset : {0.0, 0.02, -0.02}) {
+    for (int photograph = 0; photograph < kPhotographs; ++photograph) {
+      const double off = 60.0 * kDegree * photograph / (kPhotographs - 1), towards = 6.283 * unit(random);
+      const cv::Vec3d axis(std::sin(off) * std::cos(towards), std::sin(off) * std::sin(towards), std::cos(off));
+      cv::Vec3d normal = axis.cross(cv::Vec3d(unit(random), unit(random), unit(random)));
+      normal *= 1.0 / cv::norm(normal);
+      const cv::Vec3d quarter = axis.cross(normal);
+      PaintedBall one = ball();
+      one.diameter_px = 100.0;
+      one.seam_contrast = 0.0;
+      one.line = strobe::testing::PaintedLine{0.0, 5.0, 0.6, 0.0, 1.0, offset};
+      painting = {};
+      painting.width = 560;
+      painting.height = 130;
+      painting.bits = 16;
+      painting.seed = random();
+      for (int k = 0; k < kImages; ++k) {
+        const cv::Vec3d plane = normal * std::cos(0.9 * k) + quarter * std::sin(0.9 * k);
+        one.centre = {62.0 + 108.0 * k + unit(random), 64.0 + unit(random)};
+        one.line->tilt_rad = -std::asin(plane[2]);
+        one.line->angle_rad = std::atan2(-plane[0], plane[1]);
+        one.seed = random();
+        painting.balls.push_back(one);
+      }
+      const auto results = measured();
+      errors.lines += kImages;
+      for (std::size_t k = 0; k < results.size(); ++k)
+        if (results[k] && results[k]->tilt) errors.add(*results[k], *painting.balls[k].line);
+    }
+  }
+  CHECK_COMPARE(errors.found, >=, errors.lines - 4);
+  DOUBLES_EQUAL(1.0, std::sqrt(errors.angle2 / errors.found), 0.6);
+  DOUBLES_EQUAL(1.0, std::sqrt(errors.tilt2 / errors.found), 0.6);
+  DOUBLES_EQUAL(0.0, errors.tilt / errors.found, 0.75);
+  CHECK_COMPARE(errors.wild, <=, 2);
+}
+
+// Against differences over a hundredth: the third derivatives, some tens, leave 1e-3 of them at most.
+TEST(Equators, KnowTheSlopeOfTheShading) {
+  strobe::digitize::Shading shading;
+  for (std::size_t k = 0; k < shading.terms.size(); ++k)
+    shading.terms[k] = 0.3F - 0.05F * static_cast<float>(k);
+  const auto at = [&](float u, float v) { return shading.at(u, v, std::sqrt(1.0F - u * u - v * v)); };
+  constexpr float kU = 0.4F, kV = -0.6F, kStep = 5e-3F;
+  const cv::Point2f slope = shading.gradient(kU, kV, std::sqrt(1.0F - kU * kU - kV * kV));
+  DOUBLES_EQUAL((at(kU + kStep, kV) - at(kU - kStep, kV)) / (2.0F * kStep), slope.x, 2e-3);
+  DOUBLES_EQUAL((at(kU, kV + kStep) - at(kU, kV - kStep)) / (2.0F * kStep), slope.y, 2e-3);
+}
+
 // Errors over stated sds, of lines as various as may be on balls that overlap. One look's felt turns all of
 // its images alike: some twelve looks tell the rms to a fifth of it; limits at three of that, and a half of a
 // true sd's worth to either side beyond.
@@ -250,7 +330,7 @@ std::vector<LinePoint> points_between(const Limbs& limbs, unsigned seed) {
       const double x = limbs.amiss * others - kContrast * kShape.darkness(v) +
                        kNoise * std::sqrt(variance) * normal(random);
       points.push_back({static_cast<float>(u), static_cast<float>(v),
-                        static_cast<float>(std::sqrt(1.0 - u * u - v * v)), static_cast<float>(x),
+                        static_cast<float>(std::sqrt(1.0 - u * u - v * v)), {}, static_cast<float>(x),
                         static_cast<float>(1.0 / variance)});
     }
   }
@@ -268,7 +348,7 @@ double normalized_error(double wider, const Limbs& limbs) {
     const auto fit = fit_line(points_between(limbs, seed), kRadius, start, {});
     CHECK_TRUE(fit.has_value());
     const double angle = fit->line.angle_rad;
-    squares += angle * angle / (fit->angle_variance * std::max(fit->scatter, fit->expected_scatter));
+    squares += angle * angle / (fit->variance(0, 0) * std::max(fit->scatter, fit->expected_scatter));
   }
   return std::sqrt(squares / kTimes);
 }

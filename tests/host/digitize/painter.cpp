@@ -109,9 +109,8 @@ class Sphere {
 
   double from_line(const cv::Vec3d& n) const {
     const double across = -n[0] * std::sin(ball_.line->angle_rad) + n[1] * std::cos(ball_.line->angle_rad);
-    return radius_ *
-           std::asin(std::clamp(
-               across * std::cos(ball_.line->tilt_rad) + n[2] * std::sin(ball_.line->tilt_rad), -1.0, 1.0));
+    const double f = across * std::cos(ball_.line->tilt_rad) - n[2] * std::sin(ball_.line->tilt_rad);
+    return radius_ * (std::asin(std::clamp(f, -1.0, 1.0)) - std::asin(ball_.line->offset));
   }
 
   PaintedBall ball_;
@@ -146,7 +145,8 @@ void add_ball(cv::Mat& light, const Painting& painting, const PaintedBall& ball)
       const double dx = x - ball.centre.x, dy = ball.centre.y - row;
       const double r = std::hypot(dx, dy), edge = sphere.outline(dx, dy);
       const bool at_floor = ball.floor_row && std::abs(row - *ball.floor_row) < 1.0;
-      const int n = std::abs(r - edge) < 2.0 || at_floor ? kSubpixels : 2;
+      const bool narrow = ball.line && std::abs(ball.line->tilt_rad) > 0.2;
+      const int n = std::abs(r - edge) < 2.0 || at_floor ? kSubpixels : narrow ? 4 : 2;
       double sum = 0.0;
       for (int k = 0; k < n * n; ++k) {
         const double sx = dx + (k % n + 0.5) / n - 0.5, sy = dy - (k / n + 0.5) / n + 0.5;

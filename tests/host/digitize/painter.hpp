@@ -23,8 +23,9 @@ struct PaintedLine {
   double angle_rad = 0.0;  ///< counter-clockwise from right, y up
   double width_px = 10.0;
   double contrast = 0.6;  ///< share of the light that it takes
-  double tilt_rad = 0.0;  ///< of its plane out of the line of sight
+  double tilt_rad = 0.0;  ///< of its plane out of the line of sight: what is seen of it is left of angle_rad
   double edge_px = 1.0;   ///< softness of its sides
+  double offset = 0.0;    ///< of its plane from the ball's middle, to the same side, radii
 };
 
 struct PaintedBall {
