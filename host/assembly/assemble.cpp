@@ -55,7 +55,7 @@ void set_rig(Frame& frame, const shot_t& shot, const AssemblySettings& settings)
     frame.px_per_m = settings.analysis.px_per_m;
     frame.px_per_m_sd = settings.analysis.px_per_m_sd;
   }
-  frame.map_errors = map_errors(settings.camera, frame);
+  set_calibration(settings.camera, frame);
   frame.surface_angle_deg = surface_angle_deg(shot, settings);
   frame.temperature_c = note_number(frame.record, "temperature_c");
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <optional>
+#include <vector>
 
 namespace strobe::host {
 namespace {
@@ -58,16 +59,6 @@ class Shift {
   const PlaneMap& other_;
 };
 
-}  // namespace
-
-PlaneMap plane_map(const CameraTable& camera, int height_px) {
-  const auto viewpoint = viewpoint_of(camera);
-  if (camera.map) return map_of(*camera.map, viewpoint);
-  if (!viewpoint) return PlaneMap::uncalibrated(height_px);
-  const cv::Matx33d upside_down(1.0, 0.0, 0.0, 0.0, -1.0, height_px - 1.0, 0.0, 0.0, 1.0);
-  return PlaneMap::calibrated({}, upside_down, viewpoint);
-}
-
 std::vector<MapError> map_errors(const CameraTable& camera, const reduction::Frame& frame) {
   std::vector<MapError> errors;
   if (!camera.map) return errors;
@@ -80,6 +71,29 @@ std::vector<MapError> map_errors(const CameraTable& camera, const reduction::Fra
     for (const PointPx& p : frame.surface_px) found.surface_px.push_back(shift.point(p));
   }
   return errors;
+}
+
+/// Of a frame in another scale the viewpoint's pixels are not.
+std::optional<reduction::Lens> lens_of(const CameraTable& camera, const reduction::Frame& frame) {
+  const auto viewpoint = viewpoint_of(camera);
+  if (!viewpoint || !frame.px_per_m || frame.px_per_m != camera.px_per_m) return std::nullopt;
+  return reduction::Lens{viewpoint->distance_px / *frame.px_per_m,
+                         {viewpoint->foot_px.x, viewpoint->foot_px.y}};
+}
+
+}  // namespace
+
+PlaneMap plane_map(const CameraTable& camera, int height_px) {
+  const auto viewpoint = viewpoint_of(camera);
+  if (camera.map) return map_of(*camera.map, viewpoint);
+  if (!viewpoint) return PlaneMap::uncalibrated(height_px);
+  const cv::Matx33d upside_down(1.0, 0.0, 0.0, 0.0, -1.0, height_px - 1.0, 0.0, 0.0, 1.0);
+  return PlaneMap::calibrated({}, upside_down, viewpoint);
+}
+
+void set_calibration(const CameraTable& camera, reduction::Frame& frame) {
+  frame.map_errors = map_errors(camera, frame);
+  frame.lens = lens_of(camera, frame);
 }
 
 }  // namespace strobe::host

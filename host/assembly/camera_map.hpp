@@ -2,8 +2,6 @@
 // thread-safe; allocates.
 #pragma once
 
-#include <vector>
-
 #include "common/reduction/frame.hpp"
 #include "host/config/camera_table.hpp"
 #include "host/digitize/core/plane_map.hpp"
@@ -13,8 +11,8 @@ namespace strobe::host {
 /// `height_px` is the photograph's; a calibration has its own.
 digitize::PlaneMap plane_map(const CameraTable& camera, int height_px);
 
-/// One for each of the calibration's errors, of the frame's images and surface as they are; none without a
-/// map.
-std::vector<reduction::MapError> map_errors(const CameraTable& camera, const reduction::Frame& frame);
+/// Sets the frame's map_errors, one for each of the calibration's errors, of images and surface as they are
+/// (none without a map), and its lens, where the calibration that made the frame tells it.
+void set_calibration(const CameraTable& camera, reduction::Frame& frame);
 
 }  // namespace strobe::host

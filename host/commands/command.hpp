@@ -30,6 +30,7 @@ void add_reduce_command(CLI::App& app, int& exit_status);
 void add_contact_command(CLI::App& app, int& exit_status);
 void add_predict_command(CLI::App& app, int& exit_status);
 void add_digitize_command(CLI::App& app, int& exit_status);
+void add_spin_command(CLI::App& app, int& exit_status);
 void add_fit_command(CLI::App& app, int& exit_status);
 void add_thesis_command(CLI::App& app, int& exit_status);
 void add_ball_command(CLI::App& app, int& exit_status);

@@ -19,40 +19,14 @@
 #include "common/messages/parsed_json.hpp"
 #include "common/units/angles.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/prediction.hpp"
 
 namespace strobe::host {
 
-namespace {
-
 using nlohmann::ordered_json;
 
-struct PredictOptions {
-  impact::Motion touchdown;
-  std::string model = "grip";  ///< "rigid", "grip", "pulse", "ode"
-  double e = impact::kFittedToThesis.e;
-  std::optional<double> mu;     ///< absent: the model's own
-  std::optional<double> alpha;  ///< absent: the model's own
-  double e_x = impact::kFittedToThesis.e_x;
-  double offset_mm = impact::kFittedToThesis.offset_m * 1e3;
-  double diameter_m = ball::kThesisDiameter_m;
-  double mass_kg = ball::kThesisMass_kg;
-  double dwell_time_ms = impact::ContactCoefficients{}.dwell_s * 1e3;
-  impact::ContactCoefficients contact;
-  impact::ContactOptions integration;
-  std::string ball;                  ///< a kind's name or file; empty: a tennis ball
-  std::vector<std::string> remarks;  ///< what of this impact is beyond what was measured of its kind
-  int samples = 0;                   ///< of the contact's trajectory; 0: none
-  bool json = false;
-};
+namespace prediction {
 
-struct Prediction {
-  impact::Rebound rebound;
-  std::optional<impact::PulseRebound> pulse = std::nullopt;
-  std::optional<impact::ContactTrajectory> contact = std::nullopt;
-};
-
-/// Of a model where it is not given: the thesis's thin shell for rigid and pulse, fitted values for grip and
-/// ode.
 double default_alpha(std::string_view model) {
   if (model == "grip") return ball::kMeasuredAlpha;
   return model == "ode" ? impact::kContactAlpha : ball::kThinShellAlpha;
@@ -67,37 +41,20 @@ double default_mu(std::string_view model) {
 double alpha_of(const PredictOptions& o) { return o.alpha.value_or(default_alpha(o.model)); }
 double mu_of(const PredictOptions& o) { return o.mu.value_or(default_mu(o.model)); }
 
-Prediction of_contact(impact::ContactTrajectory&& contact) {
-  const impact::ContactSummary& s = contact.summary();
-  return {.rebound = {.lift_off = s.lift_off,
-                      .regime = s.regime,
-                      .slip_lo_mps = s.slip_lo_mps,
-                      .impulse_ratio = s.impulse_ratio,
-                      .offset_m = s.mean_offset_m},
-          .contact = std::move(contact)};
+ball::Ball ball_of(const PredictOptions& o) {
+  return {.diameter_m = o.diameter_m, .mass_kg = o.mass_kg, .alpha = alpha_of(o)};
 }
 
-tl::expected<Prediction, impact::InputError> predict(const PredictOptions& o) {
-  const ball::Ball ball{.diameter_m = o.diameter_m, .mass_kg = o.mass_kg, .alpha = alpha_of(o)};
-  const double mu = mu_of(o);
-  const double dwell_s = o.dwell_time_ms / 1e3;
-  if (o.model == "pulse")
-    return impact::pulse_rebound(impact::PulseForm::exact, ball, o.touchdown, o.e, mu, dwell_s)
-        .map([](const impact::PulseRebound& p) { return Prediction{.rebound = p.rebound, .pulse = p}; });
-  if (o.model == "ode") {
-    impact::ContactCoefficients c = o.contact;
-    c.e = o.e;
-    c.mu = mu;
-    c.dwell_s = dwell_s;
-    return impact::ContactTrajectory::make(ball, o.touchdown, c, o.integration).map(of_contact);
-  }
-  const impact::Coefficients grip{.e = o.e, .mu = mu, .e_x = o.e_x, .offset_m = o.offset_mm / 1e3};
-  const auto rebound =
-      o.model == "rigid" ? impact::rigid(ball, o.touchdown, o.e, mu) : impact::grip(ball, o.touchdown, grip);
-  return rebound.map([&](impact::Rebound r) {
-    r.regime = impact::regime_of(ball, o.touchdown, r);
-    return Prediction{.rebound = r};
-  });
+impact::ContactCoefficients contact_of(const PredictOptions& o) {
+  impact::ContactCoefficients c = o.contact;
+  c.e = o.e;
+  c.mu = mu_of(o);
+  c.dwell_s = o.dwell_time_ms / 1e3;
+  return c;
+}
+
+impact::Coefficients grip_of(const PredictOptions& o) {
+  return {.e = o.e, .mu = mu_of(o), .e_x = o.e_x, .offset_m = o.offset_mm / 1e3};
 }
 
 ordered_json inputs_of(const PredictOptions& o) {
@@ -148,6 +105,50 @@ ordered_json energy_json(const impact::ContactEnergy& e) {
           {"tangential_spring_left_j", e.tangential_spring_left_j},
           {"offset_j", e.offset_j},
           {"gravity_work_j", e.gravity_work_j}};
+}
+
+void print_model(const PredictOptions& o) {
+  std::printf("model %s: e %g, mu %g, alpha %.4g, diameter %g m", o.model.c_str(), o.e, mu_of(o), alpha_of(o),
+              o.diameter_m);
+  if (o.model == "grip") std::printf(", ex %g, offset %g mm", o.e_x, o.offset_mm);
+}
+
+}  // namespace prediction
+
+namespace {
+
+using namespace prediction;
+
+struct Prediction {
+  impact::Rebound rebound;
+  std::optional<impact::PulseRebound> pulse = std::nullopt;
+  std::optional<impact::ContactTrajectory> contact = std::nullopt;
+};
+
+Prediction of_contact(impact::ContactTrajectory&& contact) {
+  const impact::ContactSummary& s = contact.summary();
+  return {.rebound = {.lift_off = s.lift_off,
+                      .regime = s.regime,
+                      .slip_lo_mps = s.slip_lo_mps,
+                      .impulse_ratio = s.impulse_ratio,
+                      .offset_m = s.mean_offset_m},
+          .contact = std::move(contact)};
+}
+
+tl::expected<Prediction, impact::InputError> predict(const PredictOptions& o) {
+  const ball::Ball ball = ball_of(o);
+  const double mu = mu_of(o);
+  if (o.model == "pulse")
+    return impact::pulse_rebound(impact::PulseForm::exact, ball, o.touchdown, o.e, mu, o.dwell_time_ms / 1e3)
+        .map([](const impact::PulseRebound& p) { return Prediction{.rebound = p.rebound, .pulse = p}; });
+  if (o.model == "ode")
+    return impact::ContactTrajectory::make(ball, o.touchdown, contact_of(o), o.integration).map(of_contact);
+  const auto rebound = o.model == "rigid" ? impact::rigid(ball, o.touchdown, o.e, mu)
+                                          : impact::grip(ball, o.touchdown, grip_of(o));
+  return rebound.map([&](impact::Rebound r) {
+    r.regime = impact::regime_of(ball, o.touchdown, r);
+    return Prediction{.rebound = r};
+  });
 }
 
 /// The i-th of n > 1 states from touchdown to release, equally spaced in time, by the names of its columns.
@@ -248,9 +249,7 @@ void print_trajectory(const impact::ContactTrajectory& contact, int samples) {
 }
 
 void print_table(const PredictOptions& o, const Prediction& p) {
-  std::printf("model %s: e %g, mu %g, alpha %.4g, diameter %g m", o.model.c_str(), o.e, mu_of(o), alpha_of(o),
-              o.diameter_m);
-  if (o.model == "grip") std::printf(", ex %g, offset %g mm", o.e_x, o.offset_mm);
+  print_model(o);
   std::printf("\n             vx m/s    vy m/s     v m/s angle deg  omega rad/s\n");
   const auto line = [](const char* when, const impact::Motion& m) {
     std::printf("%-10s %8.3f  %8.3f  %8.3f  %8.2f  %11.2f\n", when, m.vx_mps, m.vy_mps,
@@ -280,7 +279,10 @@ struct ModelOption {
   const char* name;
   std::string_view models;
 };
-constexpr std::array kModelOptions{ModelOption{"--ex", "grip"},
+constexpr std::array kModelOptions{ModelOption{"--vz", "rigid, grip or ode"},
+                                   ModelOption{"--omega-x", "rigid, grip or ode"},
+                                   ModelOption{"--omega-y", "rigid, grip or ode"},
+                                   ModelOption{"--ex", "grip"},
                                    ModelOption{"--offset-mm", "grip"},
                                    ModelOption{"--mass-kg", "pulse or ode"},
                                    ModelOption{"--dwell-time-ms", "pulse or ode"},
@@ -338,6 +340,9 @@ void add_options(CLI::App& command, PredictOptions& o) {
                      "where they are not given");
   command.option_defaults()->always_capture_default();
   command.add_option("--omega", o.touchdown.omega_radps, "Spin, rad/s; backspin positive");
+  command.add_option("--vz", o.vz_mps, "Speed along the surface across x, towards the camera, m/s");
+  command.add_option("--omega-x", o.omega_x_radps, "Spin about x, right-handed, rad/s");
+  command.add_option("--omega-y", o.omega_y_radps, "Spin about the normal, right-handed, rad/s");
   command
       .add_option(
           "--model", o.model,
@@ -384,6 +389,12 @@ int run_predict(const CLI::App& command, PredictOptions& o) {
     if (!o.json)
       for (const std::string& remark : o.remarks) std::fprintf(stderr, "strobe: %s\n", remark.c_str());
   }
+  if (is_spatial(o)) {
+    for (const char* planar : {"--method", "--samples"})
+      if (command.count(planar) > 0)
+        return bad_input(fmt::format("predict: {} is for motion in the plane", planar));
+    return predict_spatial(o);
+  }
   const auto prediction = predict(o);
   if (!prediction) return bad_input("predict: " + std::string(impact::message(prediction.error())));
   o.json ? print_json(o, *prediction) : print_table(o, *prediction);
@@ -396,12 +407,13 @@ void add_predict_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<PredictOptions>();
   CLI::App* command = app.add_subcommand("predict", "Predict the rebound from the motion at touchdown.");
   add_options(*command, *options);
-  command_line::for_experts(*command,
-                            {"--ct", "--ode-tolerance", "--method", "--samples", "--offset-mm", "--alpha"});
+  command_line::for_experts(
+      *command, {"--ct", "--ode-tolerance", "--method", "--samples", "--offset-mm", "--alpha", "--omega-y"});
   command->footer(
       "Examples: strobe predict --vx 15.62 --vy -6.71 --omega 2.6 --model grip --e 0.86\n"
       "          strobe predict --vx 14.49 --vy -9.95 --model ode --e 0.77 --dwell-time-ms 4.84 --samples "
-      "11");
+      "11\n"
+      "          strobe predict --vx 15 --vy -7 --omega-x 80");
   command->callback([options, command, &exit_status] { exit_status = run_predict(*command, *options); });
 }
 

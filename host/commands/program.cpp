@@ -43,6 +43,7 @@ int run_program(int argc, char** argv) {
   add_protocol_command(app, exit_status);
   add_shot_command(app, exit_status);
   add_digitize_command(app, exit_status);
+  add_spin_command(app, exit_status);
   add_reduce_command(app, exit_status);
   add_contact_command(app, exit_status);
   add_predict_command(app, exit_status);

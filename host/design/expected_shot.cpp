@@ -199,7 +199,7 @@ ExpectedShot expected_shot(const BallCourse& course, const BallDraw& draw, const
   }
   for (std::size_t i = shot.frame.images.size(); i-- > 0;)
     shot.frame.images[i].time_s -= shot.frame.images.front().time_s;
-  shot.frame.map_errors = map_errors(set_up.camera, shot.frame);
+  set_calibration(set_up.camera, shot.frame);
   return shot;
 }
 

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 #include <utility>
 
@@ -211,6 +214,14 @@ std::size_t panels_in_a_row(const Chart& chart) {
                                  static_cast<std::size_t>(std::max(1, chart.columns)));
 }
 
+std::string drawing_of(const std::string& title, double height, const std::string& content) {
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1:.0f}\" width=\"{0}\" "
+      "height=\"{1:.0f}\" role=\"img\" font-family=\"sans-serif\" fill=\"#222222\" "
+      "aria-label=\"{2}\">\n{3}</svg>\n",
+      kWidth, height, escaped(title), content);
+}
+
 /// Of some of the chart's panels, whole rows. above: room for a title over them, drawn as `head`.
 std::string drawing(const Chart& chart, std::span<const ChartPanel> panels,
                     const std::vector<const Series*>& entries, double above, const std::string& head) {
@@ -231,11 +242,68 @@ std::string drawing(const Chart& chart, std::span<const ChartPanel> panels,
   const auto lines = (entries.size() + static_cast<std::size_t>(legend_columns) - 1) /
                      static_cast<std::size_t>(legend_columns);
   const double total = below + kLegendLine * static_cast<double>(lines) + 4.0;
-  return fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {:.0f}\" width=\"{}\" height=\"{:.0f}\" "
-      "role=\"img\" font-family=\"sans-serif\" fill=\"#222222\" aria-label=\"{}\">\n{}{}{}</svg>\n",
-      kWidth, total, kWidth, total, escaped(chart.title), head, body,
-      legend_of(entries, legend_columns, below));
+  return drawing_of(chart.title, total, head + body + legend_of(entries, legend_columns, below));
+}
+
+/// From a ball's centre, in its radii, to the drawing's units; y down.
+struct BallPlace {
+  static constexpr double kRadius = 43.0;
+  double x = 0.0, y = 0.0;
+
+  std::string point(const Eigen::Vector3d& v) const {
+    return fmt::format("{:.1f} {:.1f}", x + kRadius * v.x(), y - kRadius * v.y());
+  }
+  std::string path(const std::vector<Eigen::Vector3d>& way, const char* look) const {
+    std::string d;
+    for (const Eigen::Vector3d& v : way) d += (d.empty() ? "M" : "L") + point(v);
+    return fmt::format("<path d=\"{}\" fill=\"none\" {}/>\n", d, look);
+  }
+  /// A point at the end of an arrow, as the way there is seen; none of a way towards whoever looks.
+  std::string head(const Eigen::Vector3d& tip, const Eigen::Vector3d& way, const char* colour) const {
+    const Eigen::Vector3d flat(way.x(), way.y(), 0.0);
+    if (flat.norm() < 0.05 * way.norm()) return {};
+    const Eigen::Vector3d along = 0.2 * flat.normalized(), aside(-0.4 * along.y(), 0.4 * along.x(), 0.0);
+    return fmt::format("<path d=\"M{}L{}L{}Z\" fill=\"{}\"/>\n", point(tip + along), point(tip + aside),
+                       point(tip - aside), colour);
+  }
+};
+
+/// The half of the great circle across the axis that is seen, in the direction of the turn.
+std::vector<Eigen::Vector3d> seen_turn(const Eigen::Vector3d& axis) {
+  constexpr int kSteps = 24;
+  const double slant = std::hypot(axis.x(), axis.y());
+  const Eigen::Vector3d begin =
+      slant > 1e-6 ? Eigen::Vector3d(-axis.y() / slant, axis.x() / slant, 0.0) : Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d middle = axis.cross(begin);
+  std::vector<Eigen::Vector3d> way;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double angle = std::numbers::pi * i / kSteps;
+    way.push_back(std::cos(angle) * begin + std::sin(angle) * middle);
+  }
+  return way;
+}
+
+std::string ball_with_axis(const BallPlace& at, const Eigen::Vector3d& spin) {
+  constexpr double kTip = 1.45;
+  const char* const kAxis = "stroke=\"#D55E00\" stroke-width=\"2\"";
+  const std::string disc =
+      fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"#f3f3f3\" stroke=\"#444444\"/>\n",
+                  at.x, at.y, BallPlace::kRadius);
+  if (!(spin.norm() > 0.0)) return disc;
+  const Eigen::Vector3d axis = spin.normalized(), front = axis.z() < 0.0 ? Eigen::Vector3d(-axis) : axis;
+  const double hidden = std::min(kTip, 1.0 / std::max(1e-9, std::hypot(front.x(), front.y())));
+  const std::string head = at.head(kTip * axis, axis, "#D55E00");
+  const bool comes_out = axis.z() >= 0.0;
+  std::string out = at.path({Eigen::Vector3d::Zero(), -kTip * front}, kAxis) + (comes_out ? "" : head) + disc;
+  const std::vector<Eigen::Vector3d> turn = seen_turn(axis);
+  out += at.path(turn, "stroke=\"#0072B2\" stroke-width=\"1.4\"");
+  out += at.head(turn[14], turn[15] - turn[13], "#0072B2");
+  out += at.path({front, -hidden * front}, "stroke=\"#D55E00\" stroke-width=\"1\" stroke-dasharray=\"3 3\"");
+  out += at.path({front, kTip * front}, kAxis) + (comes_out ? head : "");
+  if (comes_out)
+    return out + at.path({front, front}, "stroke=\"#D55E00\" stroke-width=\"7\" stroke-linecap=\"round\"");
+  const Eigen::Vector3d a(0.07, 0.07, 0.0), b(0.07, -0.07, 0.0);
+  return out + at.path({front - a, front + a}, kAxis) + at.path({front - b, front + b}, kAxis);
 }
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); }
@@ -252,6 +320,23 @@ std::vector<std::string> svg_rows(const Chart& chart) {
         drawing(chart, row, last ? legend_entries(chart.panels) : std::vector<const Series*>{}, 0.0, ""));
   }
   return rows;
+}
+
+std::string balls_svg(const std::string& title, const std::vector<SpinningBall>& balls) {
+  constexpr double kCell = 0.5 * kWidth, kHeight = 150.0, kLine = 17.0;
+  std::string body;
+  double x = 0.0, y = 0.0;
+  for (const SpinningBall& ball : balls) {
+    body += ball_with_axis({x + 78.0, y + 75.0}, Eigen::Vector3d(ball.spin.data()));
+    double below = y + 34.0;
+    for (const std::string& words : ball.lines) {
+      body += text(x + 158.0, below, "start", 11.5, words, below > y + 34.0 ? "" : " font-weight=\"bold\"");
+      below += kLine;
+    }
+    x = x > 0.0 ? 0.0 : kCell;
+    if (x == 0.0) y += kHeight;
+  }
+  return drawing_of(title, y + (x > 0.0 ? kHeight : 0.0), body);
 }
 
 std::string csv_text(const Figure& figure) {

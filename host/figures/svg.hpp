@@ -2,6 +2,7 @@
 // bytes. Pure but for write_figure(); thread-safe; allocates.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,6 +15,17 @@ namespace strobe::figures {
 /// A drawing for each row of panels, the legend in the last, to stand within HTML, which has title and
 /// caption: no script, no style of its own, nothing loaded.
 std::vector<std::string> svg_rows(const Chart& chart);
+
+/// A ball with its spin, and lines of words beside it, the first in bold.
+struct SpinningBall {
+  std::array<double, 3> spin{};  ///< right-handed, any unit: x right, y up, z towards whoever looks
+  std::vector<std::string> lines{};
+};
+
+/// One drawing of all, two in a row: the spin's axis as an arrow, its hidden part dashed; at the pole that is
+/// seen a dot where the arrow comes out, a cross where it goes in; and the way that the great circle about it
+/// turns.
+std::string balls_svg(const std::string& title, const std::vector<SpinningBall>& balls);
 
 /// Columns series,x,y,low,high; series apart by two blank lines, numbers shortest-round-trip, no value where
 /// there is none.

@@ -55,7 +55,7 @@ Result<digitize::Digitization> measure(const digitize::Photograph& photograph,
     if (auto applied = digitize::apply_corrections(*found, corrections, settings); !applied)
       return tl::unexpected(applied.error());
   }
-  found->frame.map_errors = map_errors(camera, found->frame);
+  set_calibration(camera, found->frame);
   return found;
 }
 

@@ -203,6 +203,7 @@ struct HtmlWriter {
     } else {
       out += paragraph(shot.no_picture, "note") + facts_table(shot.facts);
     }
+    if (!shot.drawing.empty()) out += "<figure>\n" + shot.drawing + "</figure>\n";
     for (const std::string& remark : shot.remarks) out += paragraph(remark, "note");
     return out + "</td></tr></table>\n";
   }

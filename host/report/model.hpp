@@ -90,6 +90,7 @@ struct ShotCard {
   std::optional<Picture> picture;
   std::string no_picture;  ///< why there is none
   std::vector<Fact> facts;
+  std::string drawing{};  ///< an SVG of what the facts say of the spin's axis; may be empty
   std::vector<std::string> remarks;
 };
 

@@ -13,6 +13,7 @@
 #include "host/report/sections.hpp"
 #include "host/session/shot.hpp"
 #include "host/text/text.hpp"
+#include "host/view/spatial_view.hpp"
 
 namespace strobe::report {
 
@@ -42,6 +43,27 @@ Table numbers_table(const Content& content, const ConditionGroup& group) {
     Row row{{each.name, each.shot->utc, each.counts ? "yes" : "no"}, false, !each.counts};
     for (const Quantity q : quantities)
       row.cells.push_back(number_cell(readout.value[q], reduction::total_sd(readout, q)));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+/// What shots tell of the third dimension; without rows where none tells any.
+Table spatial_table(const Content& content) {
+  Table table{.key = "spatial",
+              .title = "The third dimension: spin axis, velocity to the camera, place off the plane",
+              .columns = {text_column("shot")},
+              .notes = {"x along the travel, y up, z towards the camera; with the total standard uncertainty "
+                        "of the single shot."}};
+  for (std::size_t i = 0; i < reduction::kSpatialCount; ++i)
+    table.columns.push_back(number_column(std::string(reduction::kSpatialNames[i]),
+                                          std::string(host::kSpatialLabels[i].words),
+                                          std::string(host::kSpatialLabels[i].unit)));
+  for (const ReportShot& each : content.shots) {
+    if (!each.shot->readout.spatial) continue;
+    Row row{{each.name}, false, !each.counts};
+    for (const auto& number : each.shot->readout.spatial->number)
+      row.cells.push_back(number ? Cell{host::value_and_sd(number), number->value} : Cell{"-"});
     table.rows.push_back(std::move(row));
   }
   return table;
@@ -134,6 +156,7 @@ std::vector<std::string> remarks(const ReportShot& each) {
   if (result.rejected) out.push_back("Does not count: " + *result.rejected + ".");
   for (const Flag flag : flags_of(result.readout))
     out.push_back(fmt::format("{}: {}.", reduction::name(flag), host::words(flag)));
+  for (std::string& sentence : host::spatial_words(result.readout)) out.push_back(std::move(sentence) + ".");
   if (!result.problem.empty()) out.push_back(result.problem);
   const auto& digitizations = each.shot->digitizations;
   if (!digitizations.empty() && digitizations.back().by_hand)
@@ -153,6 +176,7 @@ ShotCard card(const ReportShot& each, const std::string& condition) {
   } else {
     out.no_picture = picture.error().message;
   }
+  out.drawing = host::spin_drawing(each.shot->readout);
   out.remarks = remarks(each);
   return out;
 }
@@ -176,6 +200,8 @@ Section shots(const Content& content) {
   } else {
     section.blocks.emplace_back(std::move(rejected));
   }
+  if (Table spatial = spatial_table(content); !spatial.rows.empty())
+    section.blocks.emplace_back(std::move(spatial));
   if (Table flags = flags_table(content); !flags.rows.empty()) section.blocks.emplace_back(std::move(flags));
   return section;
 }

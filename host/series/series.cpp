@@ -89,6 +89,13 @@ bool counts(const Shot& shot, Quantity q) {
   return shot.readout.value[q] && (q != Quantity::court_pace || shot.readout.court_pace_conforming);
 }
 
+void add_if_flagged(OutOfPlane& to, const reduction::Readout& readout, reduction::Flag flag,
+                    reduction::SpatialQuantity quantity) {
+  if (!readout.flags.has(flag) || !readout.spatial || !(*readout.spatial)[quantity]) return;
+  ++to.shots;
+  to.sum += (*readout.spatial)[quantity]->value;
+}
+
 }  // namespace
 
 void Series::add(const Shot& shot) {
@@ -107,6 +114,9 @@ void Series::add(const Shot& shot) {
     columns_[i].shots.push_back(names_.size() - 1);
   }
   if (!shot.until_known.empty()) until_known_ = shot.until_known;
+  using reduction::Flag, reduction::SpatialQuantity;
+  add_if_flagged(tilted_, shot.readout, Flag::axis_tilted, SpatialQuantity::spin_axis_tilt_td_deg);
+  add_if_flagged(leaving_, shot.readout, Flag::out_of_plane, SpatialQuantity::vz_td_mps);
   add_shared(shot);
 }
 
@@ -157,6 +167,8 @@ SeriesSummary Series::summary(std::string name) const {
   summary.counted = counted_;
   summary.rejected = rejected_;
   summary.until_known = until_known_;
+  summary.tilted = tilted_;
+  summary.leaving = leaving_;
   const SharedEffects shared = shared_effects();
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     QuantitySummary& s = summary.quantities[i];

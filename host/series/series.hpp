@@ -56,6 +56,13 @@ struct SeriesOutlier {
   double sds = 0.0;  ///< from the other shots' mean, in their scatter
 };
 
+/// Of counted shots that have a flag of the third dimension.
+struct OutOfPlane {
+  int shots = 0;
+  double sum =
+      0.0;  ///< of the spin axes' tilts [deg], or of the velocities to the camera [m/s], at touchdown
+};
+
 struct SeriesSummary {
   std::string name;  ///< "zero 23", or the session's
   int counted = 0;   ///< shots that count
@@ -64,6 +71,7 @@ struct SeriesSummary {
   std::string until_known;
   std::array<QuantitySummary, reduction::kQuantityCount> quantities;  ///< index: Quantity
   std::vector<SeriesOutlier> outliers;
+  OutOfPlane tilted, leaving;  ///< with axis_tilted; with out_of_plane
 };
 
 /// A source that shots share, told apart by whose it is.
@@ -114,6 +122,7 @@ class Series {
   std::array<Column, reduction::kQuantityCount> columns_;
   SharedEffects sums_;  ///< of the shots' effects
   std::string until_known_;
+  OutOfPlane tilted_, leaving_;
 };
 
 SeriesSummary summarize(std::string name, std::span<const Shot> shots);

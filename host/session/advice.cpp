@@ -42,7 +42,11 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kAdvice{
     "again.",
     "State the scale's sd in the rig file, or calibrate the camera.",
     "State the fastest spin that the machine can throw ([ball] fastest_spin_radps), or use a coded train.",
-    "Look at the kind's range of speeds (strobe ball KIND); a file of one's own can state another drag."};
+    "Look at the kind's range of speeds (strobe ball KIND); a file of one's own can state another drag.",
+    "If the axis is tilted in many shots, square up the machine's wheels, or the camera, to the lane; a ball "
+    "thrown with sidespin shows so, and its numbers are right.",
+    "If balls leave the plane in many shots, turn the machine along the photograph's plane; calibrate the "
+    "camera with the board in that plane."};
 
 constexpr std::string_view kNoBall =
     "Look at the photograph. If the ball is on it, add its images by hand; if not, look whether the machine "

@@ -121,6 +121,8 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kWords{
     "the calibrated scale came without an sd and was taken as exact: uncertainties lack its share",
     "a ball spinning faster than any in play would look the same; nobody stated how fast it can spin",
     "the ball flew slower or faster than its kind's drag and lift were measured at",
+    "the ball's spin is not about the camera's axis: it was found in three dimensions",
+    "the ball came towards the camera, or went away from it",
 };
 
 using reduction::Quantity;

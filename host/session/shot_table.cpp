@@ -66,6 +66,10 @@ std::string text_of(const std::optional<Value>& value) {
   return value ? fmt::format("{}", *value) : std::string();
 }
 
+constexpr std::string_view kSdOf = "standard deviation, given the ball's diameter and the air, of: ";
+constexpr std::string_view kSystematicSdOf =
+    "standard deviation from the tolerances of the ball's diameter and of the air, of: ";
+
 void add_quantities(std::vector<ShotField>& fields, std::string_view prefix, std::string_view words,
                     reduction::Quantities reduction::Readout::*numbers) {
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
@@ -76,6 +80,21 @@ void add_quantities(std::vector<ShotField>& fields, std::string_view prefix, std
          [numbers, q = static_cast<Quantity>(i)](const Shot& shot) {
            return text_of((shot.readout.*numbers)[q]);
          }});
+  }
+}
+
+/// Empty where the third dimension is not told.
+void add_spatial(std::vector<ShotField>& fields, std::string_view prefix, std::string_view words,
+                 double reduction::DerivedNumber::*member) {
+  for (std::size_t i = 0; i < reduction::kSpatialCount; ++i) {
+    const QuantityLabel& label = kSpatialLabels[i];
+    fields.push_back({{fmt::format("{}{}", prefix, reduction::kSpatialNames[i]), "number",
+                       std::string(label.unit), fmt::format("{}{}", words, label.meaning)},
+                      [member, i](const Shot& shot) {
+                        const auto& spatial = shot.readout.spatial;
+                        const auto number = spatial ? spatial->number[i] : std::nullopt;
+                        return number ? fmt::format("{}", *number.*member) : std::string();
+                      }});
   }
 }
 
@@ -116,11 +135,8 @@ std::vector<ShotField> make_shot_fields() {
        [](const Shot& shot) { return shot.rejected.value_or(""); }},
   };
   add_quantities(fields, "", "", &Readout::value);
-  add_quantities(fields, "sd_",
-                 "standard deviation, given the ball's diameter and the air, of: ", &Readout::sd);
-  add_quantities(fields, "sd_systematic_",
-                 "standard deviation from the tolerances of the ball's diameter and of the air, of: ",
-                 &Readout::sd_systematic);
+  add_quantities(fields, "sd_", kSdOf, &Readout::sd);
+  add_quantities(fields, "sd_systematic_", kSystematicSdOf, &Readout::sd_systematic);
   fields.push_back(
       {{"regime", "string", "", "slides: throughout the contact; grips: not; unclear: either"},
        [](const Shot& shot) { return std::string(shot.readout.regime ? name(*shot.readout.regime) : ""); }});
@@ -152,6 +168,10 @@ std::vector<ShotField> make_shot_fields() {
         "what the shot is called: its number and, where an earlier start of the firmware had the "
         "same, its start"},
        [](const Shot& shot) { return shot.name; }});
+  using reduction::DerivedNumber;
+  add_spatial(fields, "", "", &DerivedNumber::value);
+  add_spatial(fields, "sd_", kSdOf, &DerivedNumber::sd);
+  add_spatial(fields, "sd_systematic_", kSystematicSdOf, &DerivedNumber::sd_systematic);
   return fields;
 }
 
@@ -276,8 +296,8 @@ std::vector<std::string> earlier_results_headers() {
   const auto without = [](std::size_t added_later) {
     return csv_header(std::span(results_columns()).first(results_columns().size() - added_later));
   };
-  constexpr std::size_t kNames = 2, kFlashes = 3;
-  return {without(kNames), without(kNames + kFlashes)};
+  constexpr std::size_t kSpatial = 3 * reduction::kSpatialCount, kNames = 2, kFlashes = 3;
+  return {without(kSpatial), without(kSpatial + kNames), without(kSpatial + kNames + kFlashes)};
 }
 
 std::string_view digitization_word(const Digitization& digitization) {

@@ -52,6 +52,21 @@ inline constexpr std::array<QuantityLabel, reduction::kQuantityCount> kQuantityL
     {"court pace", "", "court pace rating (ITF CS 01/02); needs temperature_c"},
 }};
 
+/// In the order of reduction::SpatialQuantity.
+inline constexpr std::array<QuantityLabel, reduction::kSpatialCount> kSpatialLabels{{
+    {"spin x touchdown", "rad/s", "spin about the direction of travel along the surface at touchdown"},
+    {"spin y touchdown", "rad/s", "spin about the surface's normal at touchdown: sidespin"},
+    {"spin z touchdown", "rad/s", "spin about the axis towards the camera at touchdown"},
+    {"axis touchdown", "deg", "angle of the spin's axis to the camera's at touchdown, 0 to 90"},
+    {"vz touchdown", "m/s", "velocity towards the camera at touchdown"},
+    {"spin x lift-off", "rad/s", "spin about the direction of travel along the surface at lift-off"},
+    {"spin y lift-off", "rad/s", "spin about the surface's normal at lift-off: sidespin"},
+    {"spin z lift-off", "rad/s", "spin about the axis towards the camera at lift-off"},
+    {"axis lift-off", "deg", "angle of the spin's axis to the camera's at lift-off, 0 to 90"},
+    {"vz lift-off", "m/s", "velocity towards the camera at lift-off"},
+    {"off the plane", "mm", "the ball's centre at touchdown before the calibrated plane, towards the camera"},
+}};
+
 struct Column {
   std::string name;
   std::string datatype;  ///< of that vocabulary: "string", "number", "integer", "boolean", "dateTime"

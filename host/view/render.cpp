@@ -13,6 +13,7 @@
 #include "host/session/shot_table.hpp"
 #include "host/text/text.hpp"
 #include "host/view/series_view.hpp"
+#include "host/view/spatial_view.hpp"
 #include "host/view/timing.hpp"
 
 namespace strobe::host {
@@ -96,20 +97,26 @@ std::string shot_row(const reduction::Readout& readout, Quantity q, bool all) {
   return shot_row(label.words, label.unit, readout, q, all);
 }
 
-/// Of a ball that was dropped.
-Lines drop_rows(const reduction::Readout& readout, bool all) {
+std::string shot_row(std::string_view words, std::string_view unit, const reduction::DerivedNumber& number,
+                     bool all) {
+  // In the place of any number.
+  reduction::Numbers numbers;
+  numbers.value[Quantity::v_lo_mps] = number.value;
+  numbers.sd[Quantity::v_lo_mps] = number.sd;
+  numbers.sd_systematic[Quantity::v_lo_mps] = number.sd_systematic;
+  return shot_row(words, unit, numbers, Quantity::v_lo_mps, all);
+}
+
+/// Of a ball that was dropped; `all`: and what is told of the third dimension.
+Lines more_rows(const reduction::Readout& readout, bool all) {
   Lines lines;
-  if (!readout.drop) return lines;
-  const auto add = [&](std::string_view words, const reduction::DerivedNumber& height) {
-    // In the place of any number in metres.
-    reduction::Numbers numbers;
-    numbers.value[Quantity::v_lo_mps] = height.value;
-    numbers.sd[Quantity::v_lo_mps] = height.sd;
-    numbers.sd_systematic[Quantity::v_lo_mps] = height.sd_systematic;
-    lines.push_back(shot_row(words, "m", numbers, Quantity::v_lo_mps, all));
-  };
-  add("fall height", readout.drop->fall_height_m);
-  add("rebound height", readout.drop->rebound_height_m);
+  if (const auto& drop = readout.drop) {
+    lines.push_back(shot_row("fall height", "m", drop->fall_height_m, all));
+    lines.push_back(shot_row("rebound height", "m", drop->rebound_height_m, all));
+  }
+  for (std::size_t i = 0; all && readout.spatial && i < reduction::kSpatialCount; ++i)
+    if (const auto& number = readout.spatial->number[i])
+      lines.push_back(shot_row(kSpatialLabels[i].words, kSpatialLabels[i].unit, *number, true));
   return lines;
 }
 
@@ -140,6 +147,7 @@ std::string headline(const Shot& shot_result, bool all) {
 Lines remarks(const Shot& shot_result, bool all, std::size_t width) {
   Lines lines;
   const auto add = [&](const std::string& text) { append(lines, wrapped(text, width)); };
+  for (const std::string& sentence : spatial_words(shot_result.readout)) add(sentence);
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     const auto flag = static_cast<reduction::Flag>(i);
     if (shot_result.readout.flags.has(flag))
@@ -196,7 +204,7 @@ Lines shot_beside_series(const ViewModel& model) {
     if (is_shown(model.last->readout, q, model.all))
       lines.push_back(shot_row(model.last->readout, q, false) + series_cells(summary.quantities[i]));
   }
-  append(lines, drop_rows(model.last->readout, false));
+  append(lines, more_rows(model.last->readout, false));
   return lines;
 }
 
@@ -232,7 +240,7 @@ Lines render_shot(const Shot& shot_result, std::size_t width, bool all) {
       const auto q = static_cast<Quantity>(i);
       if (is_shown(shot_result.readout, q, all)) lines.push_back(shot_row(shot_result.readout, q, all));
     }
-    append(lines, drop_rows(shot_result.readout, all));
+    append(lines, more_rows(shot_result.readout, all));
   }
   if (const auto& launch = shot_result.readout.launch) {
     constexpr std::array<std::string_view, reduction::kLaunchQuantities.size()> kWords{

@@ -77,6 +77,7 @@ ordered_json series_json(const SeriesSummary& summary, const std::optional<thesi
   ordered_json& outliers = object["outliers"] = ordered_json::array();
   for (const SeriesOutlier& o : summary.outliers)
     outliers.push_back({{"shot", o.shot}, {"quantity", key(o.quantity)}, {"sds", o.sds}});
+  object["alignment"] = alignment_words(summary);
   object["thesis"] = condition ? thesis_json(*condition) : ordered_json();
   return object;
 }

@@ -110,6 +110,21 @@ std::string sequential_words(const SeriesSummary& summary) {
       summary.until_known);
 }
 
+std::vector<std::string> alignment_words(const SeriesSummary& summary) {
+  std::vector<std::string> sentences;
+  const auto add = [&](const OutOfPlane& of, std::string_view what, std::string_view unit,
+                       std::string_view advice) {
+    if (of.shots < 2 || 2 * of.shots < summary.counted) return;
+    sentences.push_back(fmt::format("{} of {} shots {} {:.2g} {} on average: {}", of.shots, summary.counted,
+                                    what, of.sum / of.shots, unit, advice));
+  };
+  add(summary.tilted, "have a spin axis off the camera's, by", "deg",
+      "square up the machine's wheels, or the camera, unless such a spin is meant");
+  add(summary.leaving, "leave the photograph's plane, towards the camera with", "m/s",
+      "turn the machine, or the camera, unless such a path is meant");
+  return sentences;
+}
+
 bool is_essential(Quantity q) { return q != Quantity::slip_lo_mps && q != Quantity::court_pace; }
 
 Lines render_summary(const SeriesSummary& summary, const std::optional<thesis::Condition>& condition,
@@ -137,6 +152,8 @@ Lines render_summary(const SeriesSummary& summary, const std::optional<thesis::C
   if (!summary.until_known.empty())
     for (std::string& line : wrapped("(" + sequential_words(summary) + ")", width)) lines.push_back(line);
   add_outliers(summary, lines);
+  for (const std::string& sentence : alignment_words(summary))
+    for (std::string& line : wrapped("! " + sentence, width)) lines.push_back(std::move(line));
   return fitted(std::move(lines), width);
 }
 

@@ -21,6 +21,10 @@ bool is_essential(reduction::Quantity q);
 /// Of a series that ended by what it said (SeriesSummary::until_known): that it did, a sentence.
 std::string sequential_words(const SeriesSummary& summary);
 
+/// Where at least two shots and half of them have a tilted spin axis, or leave the photograph's plane: by how
+/// much, and what to do, a sentence each.
+std::vector<std::string> alignment_words(const SeriesSummary& summary);
+
 /// "zero 23: 9 shots counted, 1 rejected", a row for each quantity, and outliers. `all`: every quantity, else
 /// the essential ones. Without a counted shot a sentence.
 std::vector<std::string> render_summary(const SeriesSummary& summary,

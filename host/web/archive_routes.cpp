@@ -153,6 +153,7 @@ Response show_series(Archive& archive, const Request& request) {
   if (!is_mixture(*groups)) {
     page = series_page_json(series_of(*groups).summary(id), condition_of(*rows), *rows);
     page["drift"] = drift_of(*groups);
+    for (const auto& sentence : page["summary"]["alignment"]) page["drift"].push_back(sentence);
   }
   page["conditions"] = conditions_json(*groups, differ);
   page["differ"] = differ;

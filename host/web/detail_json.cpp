@@ -9,11 +9,13 @@
 #include "common/messages/parsed_json.hpp"
 #include "host/archive/shot_outcome.hpp"
 #include "host/assembly/camera_map.hpp"
+#include "host/report/hashes.hpp"
 #include "host/series/select.hpp"
 #include "host/session/advice.hpp"
 #include "host/session/shot.hpp"
 #include "host/session/shot_table.hpp"
 #include "host/view/series_json.hpp"
+#include "host/view/spatial_view.hpp"
 #include "host/web/images_json.hpp"
 #include "host/web/shot_json.hpp"
 
@@ -106,6 +108,13 @@ ordered_json detail_json(const Shot& shot, const std::string& session_id,
   object["problem"] = shot.problem.empty() ? ordered_json() : ordered_json(shot.problem);
   object["flag_words"] = flag_words_json(shot);
   object["advice"] = host::advice(shot);
+  object["spatial_words"] = host::spatial_words(shot.readout);
+  const std::string drawing = host::spin_drawing(shot.readout);
+  object["spin_axis"] =
+      drawing.empty()
+          ? ordered_json()
+          : ordered_json("data:image/svg+xml;base64," +
+                         report::base64(std::vector<std::uint8_t>(drawing.begin(), drawing.end())));
   object["verified"] = shot.verified;
   object["photograph"] = photograph ? ordered_json{{"url", photograph->url},
                                                    {"width_px", photograph->width_px},

@@ -28,7 +28,7 @@ using nlohmann::ordered_json;
 
 /// By way of the text that a session keeps, so that not a bit differs from what saving gives.
 Answered<Preview> with_result(Preview preview) {
-  preview.found.frame.map_errors = host::map_errors(preview.shot.rig->camera, preview.found.frame);
+  host::set_calibration(preview.shot.rig->camera, preview.found.frame);
   const std::string text = host::digitization_json(
       preview.found, preview.shot.photograph->filename().string(), preview.settings, false);
   auto digitization = host::parse_digitization(text, preview.shot.key(), "these corrections");

@@ -19,6 +19,7 @@ void add_flood_command(CLI::App& app, int& exit_status);
 
 namespace strobe::studies {
 
+void add_attitude_command(CLI::App& app, int& exit_status);
 void add_board_plan_command(CLI::App& app, int& exit_status);
 void add_bounces_study_command(CLI::App& app, int& exit_status);
 void add_contact_command(CLI::App& app, int& exit_status);

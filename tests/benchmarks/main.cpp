@@ -9,7 +9,7 @@
 namespace {
 
 using AddCommand = void (*)(CLI::App& app, int& exit_status);
-constexpr std::array<AddCommand, 21> kCommands{
+constexpr std::array<AddCommand, 22> kCommands{
     strobe::benchmarks::add_timing_command,       strobe::benchmarks::add_spin_command,
     strobe::benchmarks::add_loop_command,         strobe::benchmarks::add_flood_command,
     strobe::studies::add_effects_command,         strobe::studies::add_efficiency_command,
@@ -20,7 +20,7 @@ constexpr std::array<AddCommand, 21> kCommands{
     strobe::studies::add_design_command,          strobe::studies::add_digitizer_noise_command,
     strobe::studies::add_board_plan_command,      strobe::studies::add_drift_command,
     strobe::studies::add_drops_command,           strobe::studies::add_protocol_risk_command,
-    strobe::studies::add_bounces_study_command};
+    strobe::studies::add_bounces_study_command,   strobe::studies::add_attitude_command};
 
 }  // namespace
 

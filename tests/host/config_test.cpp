@@ -1,6 +1,7 @@
 // Rig files, plans and notes as the host reads them; what is wrong is named by file, line and key.
 #include <string>
 
+#include "host/assembly/camera_map.hpp"
 #include "host/config/notes.hpp"
 #include "host/config/plan_file.hpp"
 #include "host/config/rig_file.hpp"
@@ -197,6 +198,22 @@ TEST(CameraTable, TellsTheDigitizerScaleMapAndSurface) {
   DOUBLES_EQUAL(5000, settings->map.viewpoint()->distance_px, 0);
   DOUBLES_EQUAL(100, settings->surface->points.front().x, 0);  // left to right
   DOUBLES_EQUAL(700, settings->surface->points.back().x, 0);
+}
+
+TEST(CameraTable, TellsAFrameOfItsScaleWhereTheLensIs) {
+  const auto rig = read_rig(kCalibrated, "rig.toml");
+  reduction::Frame frame;
+  host::set_calibration(rig->camera, frame);
+  CHECK_FALSE(frame.lens.has_value());
+  frame.px_per_m = 1000.0;
+  host::set_calibration(rig->camera, frame);
+  DOUBLES_EQUAL(5.0, frame.lens->distance_m, 1e-12);
+  DOUBLES_EQUAL(640.0, frame.lens->foot_px.x, 0.0);
+  DOUBLES_EQUAL(480.0, frame.lens->foot_px.y, 0.0);
+  host::CameraTable far_away = rig->camera;
+  far_away.viewpoint_px.reset();
+  host::set_calibration(far_away, frame);
+  CHECK_FALSE(frame.lens.has_value());
 }
 
 TEST(CameraTable, APhotographOfAnotherSizeIsRefused) {

@@ -63,6 +63,9 @@ Shot example() {
   return shot_result;
 }
 
+/// Cells of a shot that tells nothing of it: value, sd and sd_systematic of each number.
+const std::string kNoThirdDimension(3 * reduction::kSpatialCount, ',');
+
 }  // namespace
 
 TEST_GROUP(ResultsTable){};
@@ -84,6 +87,20 @@ TEST(ResultsTable, ALineHasAFieldForEachColumn) {
   CHECK_EQUAL("37", field(shot_result, "last_flash"));
   CHECK_EQUAL("0.001", field(shot_result, "misassignment_probability"));
   CHECK_EQUAL("", field(Shot{}, "misassignment_probability"));
+}
+
+TEST(ResultsTable, TheThirdDimensionStandsBehindTheColumnsOfBefore) {
+  Shot shot = example();
+  CHECK_EQUAL("", field(shot, "vz_td_mps"));
+  shot.readout.spatial.emplace()[reduction::SpatialQuantity::vz_td_mps] = {0.5, 0.25, 0.125};
+  CHECK_EQUAL("0.5", field(shot, "vz_td_mps"));
+  CHECK_EQUAL("0.25", field(shot, "sd_vz_td_mps"));
+  CHECK_EQUAL("0.125", field(shot, "sd_systematic_vz_td_mps"));
+  CHECK_EQUAL("", field(shot, "vz_lo_mps"));
+  const auto names = fields(host::results_header());
+  const auto behind = std::find(names.begin(), names.end(), "shot") + 1;
+  CHECK_EQUAL("omega_x_td_radps", *behind);
+  LONGS_EQUAL(3 * reduction::kSpatialCount, names.end() - behind);
 }
 
 TEST(ResultsTable, ASecondRunAppendsWithoutASecondHeader) {
@@ -121,7 +138,8 @@ TEST(ResultsTable, AHeaderThatWasCutShortIsWrittenAnew) {
 TEST(ResultsTable, ATableOfAnEarlierVersionGoesOnWithItsColumns) {
   TemporaryFolder folder;
   const auto earlier = host::earlier_results_headers();
-  const std::vector<std::string> without{",auto,3", ",25,37,0.001,auto,3"};
+  const std::vector<std::string> without{kNoThirdDimension, ",auto,3" + kNoThirdDimension,
+                                         ",25,37,0.001,auto,3" + kNoThirdDimension};
   LONGS_EQUAL(without.size(), earlier.size());
   const std::string line = host::results_line(example());
   for (std::size_t i = 0; i < earlier.size(); ++i) {
@@ -149,8 +167,8 @@ TEST(ResultsTable, NamesAShotOfALaterStartOfTheFirmwareByItsStart) {
   LONGS_EQUAL(2, rows.size());
   LONGS_EQUAL(0x1234567800000001, rows[1].key.boot_id);
   CHECK_EQUAL("2026-01-31T09:30:00.000Z", rows[1].utc);
-  CHECK_TRUE(rows[0].line.ends_with(",,3"));
-  CHECK_TRUE(rows[1].line.ends_with(",hand,3/123456"));
+  CHECK_TRUE(rows[0].line.ends_with(",,3" + kNoThirdDimension));
+  CHECK_TRUE(rows[1].line.ends_with(",hand,3/123456" + kNoThirdDimension));
 }
 
 TEST(ResultsTable, AnotherVersionsColumnsAreNotMixed) {

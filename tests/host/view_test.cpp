@@ -4,6 +4,7 @@
 
 #include "host/session/shot.hpp"
 #include "host/view/render.hpp"
+#include "host/view/spatial_view.hpp"
 #include "host/text/text.hpp"
 #include "host/view/timing.hpp"
 #include "tests/host/rendered_rows.hpp"
@@ -102,6 +103,38 @@ TEST(ScreenLines, ShowExpertsNumbersOnlyIfAsked) {
   // What the total is made of, and 1.96 of it.
   CHECK_EQUAL("vx touchdown 15.62 ± 0.19 m/s ± 0.04 ± 0.19 ± 0.38",
               row(host::render_shot(*m.last, 120, true), "vx touchdown"));
+}
+
+// Total sds: hypot(0.3, 0.4) is 0.5 of the tilt; a tilt of one degree or less is told where it is flagged only.
+TEST(ScreenLines, TellOfATiltedAxisAndAPathOutOfThePlaneOnlyWhereTheyAreNotZeroWithinTheirDoubt) {
+  using reduction::SpatialQuantity;
+  CHECK_EQUAL("", row(render(m, 120), "spin axis"));
+  reduction::Spatial& spatial = m.last->readout.spatial.emplace();
+  spatial[SpatialQuantity::omega_x_td_radps] = {-40.12, 1.2, 0.0};
+  spatial[SpatialQuantity::omega_y_td_radps] = {0.5, 0.8, 0.0};
+  spatial[SpatialQuantity::omega_z_td_radps] = {185.3, 0.6, 0.0};
+  spatial[SpatialQuantity::spin_axis_tilt_td_deg] = {12.25, 0.3, 0.4};
+  spatial[SpatialQuantity::vz_td_mps] = {0.2, 0.1, 0.0};
+  CHECK_EQUAL("spin axis 12.25 ± 0.50 deg off the camera's, omega (x, y, z) (-40.1 ± 1.2, 0.50 ± 0.80, 185.30 ± "
+              "0.60) rad/s at touchdown",
+              row(render(m, 160), "spin axis"));
+  CHECK_EQUAL("", row(render(m, 160), "towards the camera"));
+  CHECK_EQUAL("", row(host::render_shot(*m.last, 160), "spin x touchdown"));
+  CHECK_EQUAL("spin x touchdown -40.1 ± 1.2 rad/s ± 1.2 ± 0.0 ± 2.4",
+              row(host::render_shot(*m.last, 160, true), "spin x touchdown"));
+  CHECK_EQUAL("", row(host::render_shot(*m.last, 160, true), "spin x lift-off"));
+  spatial[SpatialQuantity::spin_axis_tilt_td_deg] = {0.9, 0.3, 0.0};
+  CHECK_EQUAL("", row(render(m, 160), "spin axis"));
+  CHECK_EQUAL("", host::spin_drawing(m.last->readout));
+  m.last->readout.flags.set(Flag::axis_tilted);
+  STRCMP_CONTAINS("0.90 ± 0.30 deg", row(render(m, 160), "spin axis").c_str());
+  spatial[SpatialQuantity::spin_axis_tilt_td_deg] = {0.9, 0.5, 0.0};
+  CHECK_EQUAL("", row(render(m, 160), "spin axis"));
+  spatial[SpatialQuantity::vz_lo_mps] = {-0.4, 0.1, 0.0};
+  spatial[SpatialQuantity::off_plane_mm] = {-12.0, 3.0, 0.0};
+  CHECK_EQUAL("towards the camera 0.20 ± 0.10 m/s at touchdown; -0.40 ± 0.10 m/s at lift-off; -12.0 ± 3.0 mm before "
+              "the calibrated plane",
+              row(render(m, 160), "towards the camera"));
 }
 
 TEST(ScreenLines, ShowTheCourtPaceOfShotsThatConformOnly) {

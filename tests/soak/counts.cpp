@@ -143,6 +143,8 @@ bool explains(Flag flag) {
     case Flag::scale_sd_unknown:
     case Flag::spin_limit_assumed:
     case Flag::air_extrapolated:
+    case Flag::axis_tilted:
+    case Flag::out_of_plane:
       return true;
     case Flag::outlier_image:
     case Flag::outlier_surface_point:

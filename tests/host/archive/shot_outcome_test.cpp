@@ -84,12 +84,13 @@ TEST(ResultsMadeAnew, KeepTheOrderInWhichTheResultsCame) {
 
 TEST(ResultsMadeAnew, KeepRowsThatTheSessionDoesNotTellOf) {
   const Shot other = shot(9);
-  // A version's that had neither of the last two columns.
+  // A version's that had neither the last two of these columns nor the third dimension.
+  const std::string spatial(3 * reduction::kSpatialCount, ',');
   std::string shorter = row(other);
-  shorter.erase(shorter.size() - std::string(",auto,9\n").size());
+  shorter.erase(shorter.size() - (",auto,9" + spatial + "\n").size());
   const std::string table = host::results_table(
-      session, host::parse_results(host::earlier_results_headers().front() + "\n" + shorter + "\n"));
-  STRCMP_CONTAINS((shorter + ",,\n").c_str(), table.c_str());
+      session, host::parse_results(host::earlier_results_headers().at(1) + "\n" + shorter + "\n"));
+  STRCMP_CONTAINS((shorter + ",," + spatial + "\n").c_str(), table.c_str());
   STRCMP_CONTAINS(row(session.shots[0]).c_str(), table.c_str());
 }
 
@@ -98,7 +99,9 @@ TEST(ResultsMadeAnew, SayWhoMeasured) {
   corrected.digitizations.push_back({*corrected.frame(), true, kUtc, "ann@lab", "digitizations/x.json", {}});
   session.shots[2].digitizations.clear();
   const std::string table = host::results_table(session, {});
-  for (const char* words : {",auto,1\n", ",corrected,2\n", ",,3\n"}) STRCMP_CONTAINS(words, table.c_str());
+  const std::string spatial(3 * reduction::kSpatialCount, ',');
+  for (const char* words : {",auto,1", ",corrected,2", ",,3"})
+    STRCMP_CONTAINS((words + spatial + "\n").c_str(), table.c_str());
 }
 
 // Corrections of a stored shot: what can be taken back, and what cannot be corrected.

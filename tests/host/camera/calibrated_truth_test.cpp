@@ -49,7 +49,8 @@ double chi_square(const host::CameraTable& table, cv::Point2d image_px, cv::Poin
   reduction::Frame point;
   point.surface_px = {{at.x, at.y}};
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-  for (const auto& error : host::map_errors(table, point)) {
+  host::set_calibration(table, point);
+  for (const auto& error : point.map_errors) {
     const Eigen::Vector2d moved(error.surface_px[0].x, error.surface_px[0].y);
     covariance += moved * moved.transpose();
   }
@@ -189,7 +190,7 @@ TEST(CalibratedTruth, AReadoutsErrorsThroughTheMapAreAsStated) {
     frame.px_per_m = found.px_per_m;
     frame.px_per_m_sd = 1e-3 * found.px_per_m;
     const double without = *reduce(frame, reduction::Estimator::best)->sd[Quantity::mu];
-    frame.map_errors = host::map_errors(table, frame);
+    host::set_calibration(table, frame);
     const auto readout = *reduce(frame, reduction::Estimator::best);
     const double sd = *readout.sd[Quantity::mu];
     sum += std::pow(*readout.value[Quantity::mu] - truth, 2.0) / (sd * sd - without * without) / 60.0;

@@ -202,6 +202,31 @@ TEST(ReportChart, NamesOfManyShotsAreThinnedOut) {
   DOUBLES_EQUAL(300.5, chart.panels[0].x.high, 0.0);
 }
 
+/// The first number pair of the only path that has this look.
+std::pair<double, double> end_of_path(const std::string& svg, const std::string& look) {
+  const std::regex path("<path d=\"M[-0-9. ]+L([-0-9.]+) ([-0-9.]+)\" fill=\"none\" " + look);
+  std::smatch found;
+  CHECK_TEXT(std::regex_search(svg, found, path), svg.c_str());
+  return {std::stod(found[1]), std::stod(found[2])};
+}
+
+TEST(ReportChart, DrawsABallWithItsAxisAsItIsSeen) {
+  const std::string shaft = "stroke=\"#D55E00\" stroke-width=\"2\"", dot = "stroke-linecap=\"round\"";
+  // x right, y up: an axis upwards and towards whoever looks ends above the ball's centre, its back below.
+  const std::string front = balls_svg("t", {{.spin = {0.0, 3.0, 3.0}, .lines = {"a<b", "c"}}});
+  CHECK_TRUE(parse_html("<div>" + front + "</div>").well_formed);
+  STRCMP_CONTAINS("a&lt;b", front.c_str());
+  STRCMP_CONTAINS(dot.c_str(), front.c_str());
+  CHECK_TRUE(end_of_path(front, shaft).second > 75.0);  // the hidden half is drawn first
+  // Away from whoever looks: a cross at the pole that is seen, which is the arrow's other end.
+  const std::string back = balls_svg("t", {{.spin = {0.0, 3.0, -3.0}}});
+  CHECK_TRUE(back.find(dot) == back.npos);
+  CHECK_TRUE(end_of_path(back, shaft).second < 75.0);
+  // Without a spin a ball alone, and of none nothing that is no number.
+  const std::string still = balls_svg("t", {{}, {.spin = {0.0, 0.0, 1.0}}, {.spin = {0.0, 0.0, -1e-9}}});
+  CHECK_TRUE(parse_html("<div>" + still + "</div>").well_formed && still.find("nan") == still.npos);
+}
+
 TEST(ReportChart, AnyPointsGiveAWellFormedDrawing) {
   CHECK(rc::check("drawing is well-formed", [] {
     const auto number =

@@ -87,11 +87,18 @@ TEST(Report, SaysOnPaperWhatItSaysInJson) {
   const auto thesis = loaded_thesis();
   input.thesis = &thesis;
   input.all = true;
+  using reduction::SpatialQuantity;
+  auto& spatial = input.sessions[0].shots[0].readout.spatial.emplace();
+  spatial[SpatialQuantity::omega_y_td_radps] = {-40.12, 1.2, 0.0};
+  spatial[SpatialQuantity::omega_z_td_radps] = {185.3, 0.6, 0.0};
+  spatial[SpatialQuantity::spin_axis_tilt_td_deg] = {12.25, 0.3, 0.4};
   input.limits = {*parse_limit("e=0.8..0.9"), *parse_limit("mu=0.1..0.2")};
   const Report report = build_report(input);
   const auto known = numbers_in(without_pictures(report));
   const auto shown = numbers_in(text_of(report));
   CHECK(shown.size() > 100);
+  CHECK(shown.contains("12.25"));
+  STRCMP_CONTAINS("aria-label=\"Spin axis as the camera sees it\"", render_html(report).c_str());
   for (const std::string& number : shown) CHECK_TEXT(known.contains(number), number.c_str());
 }
 

@@ -86,6 +86,24 @@ TEST(SeriesView, SaysThatASeriesWasEndedByWhatItSaid) {
   CHECK_TRUE(series_json(example(), std::nullopt)["until_known"].is_null());
 }
 
+TEST(SeriesView, SaysWhereHalfOfItsShotsAreNotSquareToTheCamera) {
+  auto shots = series_shots({10.0, 12.0, 14.0, 13.0, 11.0});
+  const auto tilt = [](Shot& shot, double deg) {
+    shot.readout.flags.set(reduction::Flag::axis_tilted);
+    shot.readout.spatial.emplace()[reduction::SpatialQuantity::spin_axis_tilt_td_deg] = {deg, 0.1, 0.0};
+  };
+  tilt(shots[0], 10.0), tilt(shots[1], 12.0);
+  CHECK_TRUE(alignment_words(summarize("a", shots)).empty());
+  tilt(shots[4], 17.0);
+  shots[3].rejected = "late";
+  tilt(shots[3], 80.0);
+  const SeriesSummary summary = summarize("a", shots);
+  LONGS_EQUAL(1, alignment_words(summary).size());
+  STRCMP_CONTAINS("3 of 4 shots have a spin axis off the camera's, by 13 deg on average: square up",
+                  row(render_summary(summary, std::nullopt, 160), "! 3 of 4").c_str());
+  CHECK_EQUAL(alignment_words(summary).front(), series_json(summary, std::nullopt)["alignment"][0].get<std::string>());
+}
+
 TEST(SeriesView, TellsAProgramTheSame) {
   const auto json = series_json(example(), std::nullopt);
   CHECK_EQUAL(3, json["counted"].get<int>());

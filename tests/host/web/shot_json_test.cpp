@@ -92,7 +92,8 @@ TEST(ShotJson, RowsHaveTheNamesThatTheScreenHas) {
 
 TEST(ShotJson, RowsOfAnEarlierVersionLackWhatItLacked) {
   std::string text = table({measured()});
-  for (int i = 0; i < 2; ++i) {  // digitization, shot
+  // digitization, shot, and the third dimension's
+  for (std::size_t i = 0; i < 2 + 3 * reduction::kSpatialCount; ++i) {
     text.erase(text.rfind(',', text.find('\n')), text.find('\n') - text.rfind(',', text.find('\n')));
     const std::size_t last = text.rfind(',');
     text.erase(last, text.size() - 1 - last);

@@ -137,6 +137,19 @@ Result<Tally> tally_of(const std::vector<Case>& cases, Model model, bool grips) 
   return out;
 }
 
+void print_in_space(const std::vector<SpatialBounce>& bounces) {
+  for (const bool with_across : {true, false}) {
+    fmt::print("in space, {}; each half of the flights by coefficients fitted to the other\n{:<16}{:>5}{:>9}{:>9}{:>9}{:>8}   mu, e_x or "
+               "kt/k (even; odd flights)\n",
+               with_across ? "all bounces" : "those whose velocity changes along the slip", "model", "n", "vx rms", "vz rms", "median",
+               "95 %");
+    for (const SpatialTally& t : judged_in_space(bounces, with_across))
+      fmt::print("{:<16}{:>5}{:>9.3f}{:>9.3f}{:>9.3f}{:>6.0f} %   {:.3f} {:.2f}; {:.3f} {:.2f}\n",
+                 t.model + (t.in_space ? "" : ", plane"), t.count, t.vx_rms_mps, t.vz_rms_mps, t.median_mps, 100.0 * t.within,
+                 t.even[0], t.even[1], t.odd[0], t.odd[1]);
+  }
+}
+
 Result<void> table_tennis(const std::string& folder) {
   const auto flights = read_spindoe(folder);
   if (!flights) return tl::unexpected(flights.error());
@@ -159,6 +172,7 @@ Result<void> table_tennis(const std::string& folder) {
     fmt::print("{:<12}{}    {}  {}\n", bounces::name(model), grips->text(), slides->text(),
                against.empty() ? "yes" : fmt::format("no: {}", against));
   }
+  print_in_space(flights->in_space);
   return {};
 }
 

@@ -9,6 +9,8 @@
 #include <optional>
 #include <sstream>
 
+#include "common/impact/spatial/spatial_contact.hpp"
+
 namespace strobe::studies {
 
 namespace {
@@ -18,6 +20,7 @@ constexpr int kMostPositions = 14, kFewestPositions = 8;
 constexpr double kMostSpin_radps = 800.0;  ///< beyond it a spin is taken for a mistake
 constexpr double kMostNoise_m = 0.004;
 constexpr double kMostAcross = 0.1;
+constexpr double kAlpha = 0.655, kShare = kAlpha / (1.0 + kAlpha);
 constexpr double kSpinShare_sd = 0.02;     ///< assumed; the dataset states none
 
 struct Position {
@@ -142,12 +145,64 @@ TableTennisBounce bounce_of(int flight, const Split& s, const Eigen::Vector3d& s
   return b;
 }
 
+SpatialBounce spatial_of(int flight, const Split& s, const Eigen::Vector3d& stored_spin) {
+  const Eigen::Vector3d in = s.before.velocity(s.bounce_s), out = s.after.velocity(s.bounce_s);
+  Eigen::Matrix3d axes;
+  axes.row(0) = Eigen::Vector3d(in.x(), in.y(), 0.0).normalized();
+  axes.row(1) = Eigen::Vector3d::UnitZ();
+  axes.row(2) = axes.row(0).cross(axes.row(1));
+  const double by_spin = kSpinShare_sd * kRadius_m * stored_spin.norm() * kShare;
+  return {.flight = flight,
+          .across = false,
+          .touchdown = {axes * in, axes * Eigen::Vector3d(stored_spin.x(), -stored_spin.y(), stored_spin.z())},
+          .lift_off_mps = axes * out,
+          .sd_mps = std::hypot(s.before.velocity_sd(s.bounce_s, s.noise_m), s.after.velocity_sd(s.bounce_s, s.noise_m), by_spin)};
+}
+
 double median(std::vector<double> values) {
   std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
   return values[values.size() / 2];
 }
 
 double slip_of(const published::Bounce& b) { return b.vx_td_mps.value + kRadius_m * b.omega_td_radps.value; }
+
+struct SpatialModel {
+  std::string name;
+  double first, last;  ///< of the grid of its second coefficient
+};
+
+/// Along the surface, of a table-tennis ball. The mechanics without offset and with a tennis ball's tangential dashpot.
+Eigen::Vector2d error_of(const SpatialModel& model, bool in_space, const SpatialBounce& b, const Eigen::Vector2d& c) {
+  const ball::Ball ball{.diameter_m = 2.0 * kRadius_m, .mass_kg = 0.0027, .alpha = kAlpha};
+  impact::SpatialMotion td = b.touchdown;
+  if (!in_space) td.spin_radps = Eigen::Vector3d(0.0, 0.0, td.spin_radps.z());
+  const double e = std::min(1.0, -b.lift_off_mps.y() / td.velocity_mps.y());
+  Eigen::Vector2d v;
+  if (model.name == "ode")
+    v = impact::along_surface(impact::spatial_lift_off(ball, td,
+                                                       {.e = e, .dwell_s = 1e-3, .mu = c[0], .stiffness_ratio = c[1], .offset_share = 0.0},
+                                                       1e-6)
+                                  ->velocity_mps);
+  else
+    v = impact::along_surface(impact::grip(ball, td, impact::Coefficients{.e = e, .mu = c[0], .e_x = c[1]})->lift_off.velocity_mps);
+  return v - impact::along_surface(b.lift_off_mps);
+}
+
+Eigen::Vector2d fitted_to(const SpatialModel& model, bool in_space, const std::vector<SpatialBounce>& half) {
+  Eigen::Vector2d best;
+  double least = HUGE_VAL;
+  const int fine = model.first == model.last ? 0 : 16;
+  for (int i = 0; i <= 80; ++i) {
+    for (int k = 0; k <= fine; ++k) {
+      const Eigen::Vector2d c(0.05 + 0.005 * i, model.first + (model.last - model.first) * k / std::max(fine, 1));
+      double sum = 0.0;
+      for (const SpatialBounce& b : half) sum += error_of(model, in_space, b, c).norm();
+      if (sum < least) best = c;
+      least = std::min(sum, least);
+    }
+  }
+  return best;
+}
 
 }  // namespace
 
@@ -172,14 +227,18 @@ Result<TableTennis> read_spindoe(const std::string& folder) {
       ++out.without_bounce;
       continue;
     }
+    const int implausible = out.implausible;
     const TableTennisBounce b = bounce_of(number, *found, spin);
     const double e = *b.bounce.restitution();
+    SpatialBounce spatial = spatial_of(number, *found, spin);
+    spatial.across = std::abs(b.across) > kMostAcross;
     if (spin.norm() > kMostSpin_radps || b.noise_m > kMostNoise_m || e > 1.05 || e < 0.6)
       ++out.implausible;
-    else if (std::abs(b.across) > kMostAcross)
+    else if (spatial.across)
       ++out.across;
     else
       out.bounces.push_back(b);
+    if (out.implausible == implausible) out.in_space.push_back(spatial);
   }
   return out;
 }
@@ -192,7 +251,7 @@ Judged judged_by(const TableTennis& flights) {
                              .build = published::Build::shell,
                              .diameter_m = 2.0 * kRadius_m,
                              .mass_kg = 0.0027,
-                             .alpha = {0.655, 0.01},
+                             .alpha = {kAlpha, 0.01},
                              .source = "40 mm; a shell between that of no and of .5 mm thickness"};
   for (const TableTennisBounce& b : flights.bounces) {
     const published::Bounce& bounce = b.bounce;
@@ -215,6 +274,44 @@ Judged judged_by(const TableTennis& flights) {
   for (bounces::Case& c : out.cases) {
     c.friction.mu = out.mu;
     c.friction.elsewhere = published::Measured{out.mu, sd};
+  }
+  return out;
+}
+
+std::vector<SpatialTally> judged_in_space(const std::vector<SpatialBounce>& bounces, bool with_across) {
+  std::array<std::vector<SpatialBounce>, 2> halves;
+  for (const SpatialBounce& b : bounces)
+    if (with_across || !b.across) halves[static_cast<std::size_t>(b.flight % 2)].push_back(b);
+  std::vector<SpatialTally> out;
+  for (const SpatialModel& model : {SpatialModel{"rigid", 0.0, 0.0}, {"grip", -0.8, 0.8}, {"ode", 0.25, 16.25}}) {
+    for (const bool in_space : {true, false}) {
+      SpatialTally t{.model = model.name, .in_space = in_space};
+      const std::array fit{fitted_to(model, in_space, halves[0]), fitted_to(model, in_space, halves[1])};
+      t.even = fit[0];
+      t.odd = fit[1];
+      std::vector<double> sizes;
+      for (const std::size_t half : {0u, 1u}) {
+        const Eigen::Vector2d& c = fit[1 - half];
+        std::array<std::vector<double>, 2> scatter;
+        for (const SpatialBounce& b : halves[1 - half])
+          for (const int i : {0, 1})
+            scatter[static_cast<std::size_t>(i)].push_back(std::abs(error_of(model, in_space, b, c)[i]));
+        const Eigen::Vector2d sd = 1.4826 * Eigen::Vector2d(median(scatter[0]), median(scatter[1]));
+        for (const SpatialBounce& b : halves[half]) {
+          const Eigen::Vector2d r = error_of(model, in_space, b, c);
+          ++t.count;
+          t.vx_rms_mps += r.x() * r.x();
+          t.vz_rms_mps += r.y() * r.y();
+          sizes.push_back(r.norm());
+          for (const int i : {0, 1}) t.within += std::abs(r[i]) <= 1.96 * std::hypot(sd[i], b.sd_mps) ? 0.5 : 0.0;
+        }
+      }
+      t.vx_rms_mps = std::sqrt(t.vx_rms_mps / t.count);
+      t.vz_rms_mps = std::sqrt(t.vz_rms_mps / t.count);
+      t.within /= t.count;
+      t.median_mps = median(sizes);
+      out.push_back(t);
+    }
   }
   return out;
 }

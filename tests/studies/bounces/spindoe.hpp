@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/result.hpp"
+#include "common/impact/spatial/spatial_rebound.hpp"
 #include "host/bounces/prediction.hpp"
 
 namespace strobe::studies {
@@ -25,11 +26,21 @@ struct TableTennisBounce {
   double across = 0.0, across_as_stored = 0.0;
 };
 
+/// The same bounce in space: x along the way before it, y up.
+struct SpatialBounce {
+  int flight = 0;
+  bool across = false;  ///< counted as such
+  impact::SpatialMotion touchdown;
+  Eigen::Vector3d lift_off_mps;
+  double sd_mps = 0.0;  ///< of a velocity after less what before it and the spin make of it
+};
+
 struct TableTennis {
   int flights = 0, without_bounce = 0;
   int implausible = 0;  ///< noise, restitution or spin beyond what such a bounce has
   int across = 0;       ///< velocity changed across the slip by more than a tenth of the impulse: no friction does that
   std::vector<TableTennisBounce> bounces;
+  std::vector<SpatialBounce> in_space;  ///< all plausible ones
 };
 
 /// Fails with the file that cannot be read.
@@ -44,5 +55,17 @@ struct Judged {
   std::vector<bounces::Case> cases;
 };
 Judged judged_by(const TableTennis& flights);
+
+/// What a model, in space or given the motion in the plane of travel alone, says of the velocity along the surface. Its
+/// coefficients are fitted (least sum of distances, on a grid) to the flights of even number for those of odd number, and the
+/// other way. `within`: share of components within 1.96 sd, the measurement's and the scatter of the fitted half together.
+struct SpatialTally {
+  std::string model;
+  bool in_space = true;
+  int count = 0;
+  double vx_rms_mps = 0.0, vz_rms_mps = 0.0, median_mps = 0.0, within = 0.0;
+  Eigen::Vector2d even = Eigen::Vector2d::Zero(), odd = even;  ///< mu and e_x or k_t/k, fitted to those flights
+};
+std::vector<SpatialTally> judged_in_space(const std::vector<SpatialBounce>& bounces, bool with_across);
 
 }  // namespace strobe::studies

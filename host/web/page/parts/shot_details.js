@@ -9,6 +9,8 @@ export function shotDetails(quantities, detail, kept) {
   const part = (id, title, content) => content && keptDetails(kept, id, title, content);
   const { readout, budget, train, digitizations, record = readout?.record } = detail;
   return [
+    detail.spin_axis &&
+      h("img", { class: "spin-axis", src: detail.spin_axis, alt: detail.spatial_words.join(". ") }),
     part("all-numbers", "All numbers", readout && allNumbers(quantities, detail)),
     part("budget", "Uncertainty budget", budget && budgets(quantities, detail, kept)),
     part("train", "Flash train", train && trainTable(train)),
@@ -42,12 +44,10 @@ function allNumbers(quantities, { readout, values }) {
     };
   });
   const columns = [QUANTITY, "value", UNIT, "total sd", "of noise", "of ball and air", "95 %"];
-  const ratio = Number.isFinite(readout.residual_ratio)
-    ? quiet(`Residuals are ${significant(readout.residual_ratio, 3)} times the stated noise.`)
-    : null;
   return [
     table("All numbers of the shot with their uncertainties", columns, rows, { hideCaption: true }),
-    ratio,
+    Number.isFinite(readout.residual_ratio) &&
+      quiet(`Residuals are ${significant(readout.residual_ratio, 3)} times the stated noise.`),
   ];
 }
 

@@ -144,9 +144,8 @@ class ShotView {
   showVerdict() {
     const { level, text, reason } = verdict(this.shown);
     const flags = this.detail?.flag_words ?? (this.shown.flags ?? []).map(flagWords);
-    const words = [
-      ...new Set([this.detail?.problem, ...Object.values(flags)].filter((w) => w && w !== reason)),
-    ];
+    const told = [this.detail?.problem, ...flags, ...(this.detail?.spatial_words ?? [])];
+    const words = [...new Set(told.filter((w) => w && w !== reason))];
     fill(
       this.verdict,
       h("p", {}, badge(level, text), reason && ` ${reason}`),
