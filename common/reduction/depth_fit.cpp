@@ -40,6 +40,16 @@ PointPx from_foot(const PointPx& point, const PointPx& foot, double factor) {
   return {foot.x + factor * (point.x - foot.x), foot.y + factor * (point.y - foot.y)};
 }
 
+/// Of the rates, before any diameter: a machine is aimed along the plane to kAimSd_rad.
+Eigen::Matrix2d aim_of(const Frame& frame, const ShotFit& fit) {
+  Eigen::Matrix2d aim = Eigen::Matrix2d::Zero();
+  for (const std::size_t leg : {0, 1}) {
+    const double sd = kAimSd_rad * mean_speed_mps(fit.observations, leg) / frame.lens->distance_m;
+    aim(static_cast<Eigen::Index>(leg), static_cast<Eigen::Index>(leg)) = std::max(sd * sd, 1e-12);
+  }
+  return aim;
+}
+
 }  // namespace
 
 Frame seen_on_axis(Frame frame) {
@@ -97,8 +107,11 @@ std::optional<DepthFit> fit_depth(const Frame& frame, const ShotFit& fit) {
   depth.diameter_sd_px = depth.diameter_px * std::sqrt(covariance(0, 0)) / value[0];
   depth.rate_per_s = value.tail<2>() / value[0];
   depth.covariance = covariance.bottomRightCorner<2, 2>() / (value[0] * value[0]);
-  depth.moves =
-      depth.rate_per_s.dot(depth.covariance.ldlt().solve(depth.rate_per_s)) > attitude::kRejectedOfTwo;
+  // Unless an aim off the plane explains them hardly better.
+  const Eigen::Matrix2d with_aim = depth.covariance + aim_of(frame, fit);
+  const double gain = depth.rate_per_s.dot(depth.covariance.ldlt().solve(depth.rate_per_s)) -
+                      depth.rate_per_s.dot(with_aim.ldlt().solve(depth.rate_per_s));
+  depth.moves = gain > attitude::kRejectedOfTwo;
   return depth;
 }
 
@@ -128,11 +141,7 @@ void put_at_one_depth(const DepthFit& depth, const ShotFit& fit, Frame& frame) {
 
 std::array<ObservedMapError, 2> depth_doubt(const DepthFit& depth, const Frame& frame, const ShotFit& fit) {
   const Observations& all = fit.observations;
-  Eigen::Matrix2d aim = Eigen::Matrix2d::Zero();
-  for (const std::size_t leg : {0, 1}) {
-    const double sd = kAimSd_rad * mean_speed_mps(all, leg) / frame.lens->distance_m;
-    aim(static_cast<Eigen::Index>(leg), static_cast<Eigen::Index>(leg)) = std::max(sd * sd, 1e-12);
-  }
+  const Eigen::Matrix2d aim = aim_of(frame, fit);
   // Of a rate with a mean of 0 before; the mean that is left uncorrected counts with its square.
   const Eigen::Matrix2d gain = aim * (aim + depth.covariance).inverse();
   const Eigen::Vector2d mean = gain * depth.rate_per_s;

@@ -131,6 +131,20 @@ bool is_told_by_equators(const LegLines& lines, const ShotFit& fit, std::size_t 
 
 double tilt_of_axis(const Vector3d& omega) { return std::atan2(omega.head<2>().norm(), std::abs(omega.z())); }
 
+/// Of the angle between axis and camera: first order, but no less than a quarter of what 4 sd of the spin
+/// across make of it, as it does not follow them evenly.
+double tilt_sd_rad(const Vector3d& omega, const Eigen::Matrix3d& covariance) {
+  constexpr double kFar_sd = 4.0;
+  const double across = omega.head<2>().norm(), along = std::abs(omega.z());
+  const double sd = std::sqrt(0.5 * covariance.topLeftCorner<2, 2>().trace());
+  const double less = std::max(0.0, across - kFar_sd * sd);
+  const double far = (std::atan2(across, along) - std::atan2(less, along)) / kFar_sd;
+  if (across < sd) return std::max(far, std::atan2(sd, along));
+  Vector3d by;
+  by << omega.head<2>() * (along / across), -std::copysign(across, omega.z());
+  return std::max(far, std::sqrt(by.dot(covariance * by)) / omega.squaredNorm());
+}
+
 /// Tilts of two images that differ, which a spin about the camera's axis would not make.
 bool tilts_differ(const LegLines& lines, const ShotFit& fit, std::size_t leg) {
   if (lines.readings.size() != 2 || !fit.spin[leg]) return false;
@@ -171,9 +185,13 @@ void fit_leg(const Frame& frame, const ShotFit& fit, std::size_t leg, SpatialFit
     return;
   }
   spatial.spin[leg] = spin;
-  const bool rejected = spin->planar_excess > attitude::kRejectedOfTwo;
+  // Tilts that scatter by more than they state reject no more than their scatter does.
+  const double freedom = 2.0 * static_cast<double>(lines.readings.size() - spin->left_out.size()) - 5.0;
+  const double scatter = std::max(1.0, spin->chi_squared / freedom);
+  const bool rejected = spin->planar_excess > attitude::kRejectedOfTwo * scatter;
   if (!rejected && is_told_by_equators(lines, fit, leg, *spin)) return;
-  if (rejected && tilt_of_axis(spin->omega_radps) > kSquaredUp_rad) spatial.flags.set(Flag::axis_tilted);
+  const double clear_rad = kSquaredUp_rad + 3.0 * tilt_sd_rad(spin->omega_radps, spin->covariance);
+  if (rejected && tilt_of_axis(spin->omega_radps) > clear_rad) spatial.flags.set(Flag::axis_tilted);
   if (!spatial.frame) spatial.frame = frame;
   put_in_plane(lines, *spin, *spatial.frame);
 }
@@ -197,20 +215,6 @@ constexpr std::array<LegNames, 2> kLegNames{
       SpatialQuantity::spin_axis_tilt_td_deg, Quantity::omega_td_radps},
      {SpatialQuantity::omega_x_lo_radps, SpatialQuantity::omega_y_lo_radps, SpatialQuantity::omega_z_lo_radps,
       SpatialQuantity::spin_axis_tilt_lo_deg, Quantity::omega_lo_radps}}};
-
-/// Of the angle between axis and camera: first order, but no less than a quarter of what 4 sd of the spin
-/// across make of it, as it does not follow them evenly.
-double tilt_sd_rad(const Vector3d& omega, const Eigen::Matrix3d& covariance) {
-  constexpr double kFar_sd = 4.0;
-  const double across = omega.head<2>().norm(), along = std::abs(omega.z());
-  const double sd = std::sqrt(0.5 * covariance.topLeftCorner<2, 2>().trace());
-  const double less = std::max(0.0, across - kFar_sd * sd);
-  const double far = (std::atan2(across, along) - std::atan2(less, along)) / kFar_sd;
-  if (across < sd) return std::max(far, std::atan2(sd, along));
-  Vector3d by;
-  by << omega.head<2>() * (along / across), -std::copysign(across, omega.z());
-  return std::max(far, std::sqrt(by.dot(covariance * by)) / omega.squaredNorm());
-}
 
 void add_spin(const LegNames& names, const Vector3d& omega, const Eigen::Matrix3d& covariance,
               const Readout& readout, Spatial& into) {
