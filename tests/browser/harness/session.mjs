@@ -11,13 +11,14 @@ export async function manyShots(from, to, count) {
   for (const file of ['rig.toml', 'plan.toml', 'results.csv-metadata.json']) await copyFile(join(from, file), join(to, file));
   const [header, first] = (await readFile(join(from, 'results.csv'), 'utf8')).split('\n');
   const names = header.split(',');
-  if (names[0] !== 'utc' || names[2] !== 'shot_id' || names[3] !== 'rejected' || names.at(-1) !== 'shot') throw new Error(`results.csv begins ${header}`);
+  if (names[0] !== 'utc' || names[2] !== 'shot_id' || names[3] !== 'rejected') throw new Error(`results.csv begins ${header}`);
   const cells = first.split(',');  // numbers come before the texts that may hold commas
+  const shotFromEnd = names.length - names.indexOf('shot');
   const begin = Date.parse(cells[0]);
   const rows = Array.from({ length: count }, (_, i) => {
     const row = [...cells];
     row[0] = new Date(begin + i * minute).toISOString();
-    row[2] = row[row.length - 1] = `${i + 1}`;
+    row[2] = row[row.length - shotFromEnd] = `${i + 1}`;
     row[3] = i % 10 === 9 ? 'ambiguous' : '';
     for (const name of ['vx_td_mps', 'vx_lo_mps', 'e', 'mu']) {
       const column = names.indexOf(name);
