@@ -25,7 +25,7 @@ constexpr double kByChance = 1e-4;
 /// Of the tilt: the first order of test_planar() is then off by a hundredth of it.
 constexpr double kSmallTilt_rad = 0.15;
 /// Over which the tilts of a line show both components of a spin across the camera's axis.
-constexpr double kLeastTurn_rad = 0.2;
+constexpr double kMinTurn_rad = 0.2;
 /// A camera that is levelled and squared up by eye is within 3 sd of that.
 constexpr double kSquaredUp_rad = 3.0 * kCameraRollSd_rad;
 
@@ -167,7 +167,7 @@ void fit_leg(const Frame& frame, const ShotFit& fit, std::size_t leg, SpatialFit
     const double turn =
         fit.spin[leg]->omega_radps * (lines.readings.back().time_s - lines.readings.front().time_s);
     const auto test = attitude::test_planar(unwrapped(lines, fit, *fit.spin[leg]));
-    if (test && std::abs(turn) > kLeastTurn_rad && test->chi_squared_gain < attitude::kRejectedOfTwo) {
+    if (test && std::abs(turn) > kMinTurn_rad && test->chi_squared_gain < attitude::kRejectedOfTwo) {
       spatial.planar[leg] = test;
       return;
     }

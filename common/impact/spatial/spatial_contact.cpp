@@ -13,11 +13,11 @@ namespace {
 
 using Along = Eigen::Vector2d;
 
-constexpr int kMostSpatialSteps = 100'000;
-constexpr double kLargestSpatialStep = 0.1, kLeastSpatialStep = 1e-12;
+constexpr int kMaxSpatialSteps = 100'000;
+constexpr double kLargestSpatialStep = 0.1, kMinSpatialStep = 1e-12;
 constexpr double kStepShare = 0.1;  // of the tolerance at release that one step may use
 /// Normal force below which a slip without a dashpot turns no faster: too stiff, and of no account.
-constexpr double kLeastForce = 1e-5;
+constexpr double kMinForce = 1e-5;
 constexpr double kUndecidedStep = 1e-7;  // where rounding cannot tell grip from slip
 
 Along pair(const SpatialComponents& z, std::size_t at) { return {z[at], z[at + 1]}; }
@@ -82,7 +82,7 @@ Friction2 friction_at(const SpatialSystem& c, bool grips, const Contact& at) {
   if (limit == 0.0) return {force, Along::Zero(), Along::Zero()};
   const Along across = at.slip - at.slip.dot(at.towards) * at.towards;
   return {force, s.mu * at.normal_rate / s.kt * at.towards + across,
-          s.kt / std::max(limit, kLeastForce * s.mu) * across};
+          s.kt / std::max(limit, kMinForce * s.mu) * across};
 }
 
 /// Rates along x, tau = T·x²(3 - 2x).
@@ -149,7 +149,7 @@ class SpatialIntegrator {
 
   /// The state at release.
   std::optional<SpatialComponents> run() {
-    for (int i = 0; i < kMostSpatialSteps && now_.x < 1.0; ++i) step();
+    for (int i = 0; i < kMaxSpatialSteps && now_.x < 1.0; ++i) step();
     if (now_.x < 1.0) return std::nullopt;
     put(now_.start, kSpatialStretch, contact_at(c_, now_.grips, now_.start).stretch);
     return now_.start;
@@ -209,7 +209,7 @@ class SpatialIntegrator {
         worst = std::max(worst, std::abs(error[i]) * scale_[i]);
       const double factor = worst > 0.0 ? std::clamp(0.9 * std::pow(worst, -0.2), 0.2, 5.0) : 5.0;
       size_ = std::min(size * factor, kLargestSpatialStep);
-      if (worst <= 1.0 || size <= kLeastSpatialStep) return size;
+      if (worst <= 1.0 || size <= kMinSpatialStep) return size;
     }
   }
 

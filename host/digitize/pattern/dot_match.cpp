@@ -36,7 +36,7 @@ constexpr double kOthers = 5.0;
 const double kThousandToOne = std::log(1000.0);
 constexpr double kOtherAttitude_rad = 0.35;
 constexpr int kMinMatched = 4;
-constexpr std::size_t kMostRefined = 40;
+constexpr std::size_t kMaxRefined = 40;
 
 Vector3d direction(const Vector2d& at) {
   return {at.x(), at.y(), std::sqrt(std::max(0.0, 1.0 - at.squaredNorm()))};
@@ -146,7 +146,7 @@ std::vector<Hypothesis> distinct(std::vector<Hypothesis> all, const std::vector<
       score(h, seen, pattern, now);
     }
     if (!std::ranges::any_of(best, same)) best.push_back(std::move(h));
-    if (best.size() >= kMostRefined) break;
+    if (best.size() >= kMaxRefined) break;
   }
   std::ranges::stable_sort(best, std::ranges::greater{}, &Hypothesis::score);
   return best;

@@ -20,7 +20,7 @@ constexpr double kSmooth = 0.05;         ///< radii, sd
 constexpr double kStartWidth = 0.09;     ///< sd of a dot's darkness, radii
 constexpr double kAboveNoise = 5.0;
 constexpr double kOfDarkest = 0.25;
-constexpr std::size_t kMostDots = 24;
+constexpr std::size_t kMaxDots = 24;
 // So near the limb a dot is a sliver that shading hides.
 constexpr double kFarthest = 0.93;
 
@@ -178,7 +178,7 @@ std::vector<Vector2d> dark_places(const Darkness& dark) {
   std::ranges::stable_sort(places, [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<Vector2d> result;
   for (const auto& [value, at] : places)
-    if (result.size() < kMostDots) result.push_back(at);
+    if (result.size() < kMaxDots) result.push_back(at);
   return result;
 }
 
