@@ -16,6 +16,7 @@ namespace {
 constexpr std::size_t kDirections = std::tuple_size_v<Limb>;
 constexpr int kAcross = 3;  // samples along the outline, for one direction
 constexpr std::ptrdiff_t kMinOutlines = 3;
+constexpr double kHalf = 0.5, kNearlyWhole = 0.75;
 constexpr float kMinGain = 0.7F;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -77,16 +78,24 @@ float median_rise(std::vector<double> rises) {
   return rises.empty() ? kNone : static_cast<float>(median(std::move(rises)));
 }
 
-/// Of the outlines that are seen for more than half, which arcs of several things hardly are: where
-/// background is busy those outnumber the balls. Of all where there are fewer.
+/// From how much of an outline on it counts for the typical limb. Arcs of several things are hardly seen for
+/// more than half; where background is busy they outnumber the balls, and a single ball that is seen nearly
+/// whole tells more than all of them.
+double min_visible_for_typical(std::span<const Outline> outlines) {
+  const auto seen_for = [&](double visible) {
+    return std::ranges::count_if(outlines, [&](const Outline& o) { return o.visible_fraction >= visible; });
+  };
+  if (seen_for(kHalf) >= kMinOutlines) return kHalf;
+  return seen_for(kNearlyWhole) > 0 ? kNearlyWhole : 0.0;
+}
+
 Limb typical_limb(std::span<const Outline> outlines, const std::vector<Limb>& limbs) {
-  const auto is_whole = [](const Outline& o) { return o.visible_fraction > 0.5; };
-  const bool whole_only = std::ranges::count_if(outlines, is_whole) >= kMinOutlines;
+  const double visible = min_visible_for_typical(outlines);
   Limb typical{};
   for (std::size_t k = 0; k < kDirections; ++k) {
     std::vector<double> rises;
     for (std::size_t i = 0; i < limbs.size(); ++i)
-      if (!whole_only || is_whole(outlines[i])) rises.push_back(limbs[i][k]);
+      if (outlines[i].visible_fraction >= visible) rises.push_back(limbs[i][k]);
     typical[k] = median_rise(std::move(rises));
   }
   return typical;

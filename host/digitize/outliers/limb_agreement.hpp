@@ -37,8 +37,8 @@ struct LimbAgreement {
 };
 
 /// One for each outline, in their order. Directions below the surface are left out. The typical limb is the
-/// median of the outlines seen for more than half, or with fewer than 3 such of all; with fewer than 3
-/// outlines, each one's own median over its directions.
+/// median of the outlines seen for more than half; with fewer than 3 such, of those seen for three quarters,
+/// or else of all. With fewer than 3 outlines it is each one's own median over its directions.
 std::vector<LimbAgreement> compare_limbs(const Photograph& photograph, const PlaneMap& map,
                                          std::span<const Outline> outlines,
                                          const std::optional<SurfaceLine>& surface);

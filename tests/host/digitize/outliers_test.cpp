@@ -285,6 +285,22 @@ TEST(LimbAgreement, KnowsABallsLimbWhereFalseOutlinesOutnumberTheBalls) {
     CHECK_TRUE(limbs[i].is_certain_non_ball());
 }
 
+// A single ball in a lit room, beside furniture: arcs of the bright edges below it are more.
+TEST(LimbAgreement, KnowsTheOnlyWholeBallAmongArcsOfBrighterThings) {
+  auto painting = row_of_balls(5, 5, 0.3);
+  painting.balls.front().centre = {80.0, 60.0};
+  painting.balls.front().light = 0.1;
+  std::vector<Outline> outlines;
+  for (const auto& ball : painting.balls) {
+    outlines.push_back(outline_at(ball.centre));
+    outlines.back().centre.y -= 8.0;  // on their upper edges only
+    outlines.back().visible_fraction = 0.2;
+  }
+  outlines.front() = outline_at(painting.balls.front().centre);
+  outlines.front().visible_fraction = 0.8;
+  CHECK_TRUE(looked_at(painting, outlines).front().is_certain_ball());
+}
+
 TEST(LimbAgreement, TellsBallsFromACircleHalfWayBetweenTwo) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const auto painting = row_of_balls(seed, 6, 0.12);
