@@ -11,6 +11,8 @@
 #include <numeric>
 #include <optional>
 
+#include "common/attitude/turn.hpp"
+
 namespace strobe::attitude {
 namespace {
 
@@ -34,19 +36,11 @@ constexpr double kThousandToOne = 13.8;  // 2·log(1000), of chi squared
 constexpr std::size_t kMaxStarts = 40;
 constexpr int kMaxTurns = 1000;
 
-Matrix3d skew(const Vector3d& v) {
-  Matrix3d s;
-  s << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return s;
-}
-
-/// rotation(v + d) = rotation(J d)·rotation(v) to first order (left Jacobian of SO(3); Barfoot 2017,
-/// eq. 7.77).
 Matrix3d left_jacobian(const Vector3d& v) {
-  const double a2 = v.squaredNorm(), a = std::sqrt(a2);
-  const Matrix3d s = skew(v);
-  if (a < 1e-4) return Matrix3d::Identity() + 0.5 * s + s * s / 6.0;
-  return Matrix3d::Identity() + (1.0 - std::cos(a)) / a2 * s + (a - std::sin(a)) / (a2 * a) * s * s;
+  const Turn turn(v);
+  Matrix3d jacobian;
+  for (int k = 0; k < 3; ++k) jacobian.row(k) = turn.transposed_jacobian(Vector3d::Unit(k)).transpose();
+  return jacobian;
 }
 
 /// Of the spin during `t`: the integral of exp(-decay·t), to second order.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/attitude/turn.hpp"
 #include "common/units/angles.hpp"
 
 namespace strobe::attitude {
@@ -25,37 +26,6 @@ constexpr int kTurnLimit = 1000;  // more between two images are beyond any flas
 constexpr double kCostLimit = 32.0;
 /// The cheapest starts are refined.
 constexpr std::size_t kMaxRefined = 6;
-
-/// Rodrigues' rotation by a vector, and the transpose of the left Jacobian of SO(3) there.
-class Turn {
- public:
-  explicit Turn(const Vector3d& by) : by_(by) {
-    const double square = by.squaredNorm();
-    if (square < 1e-8) {
-      sine_ = 1.0 - square / 6.0;
-      versine_ = 0.5 - square / 24.0;
-      rest_ = 1.0 / 6.0 - square / 120.0;
-      return;
-    }
-    const double angle = std::sqrt(square), half = std::sin(0.5 * angle);
-    sine_ = std::sin(angle) / angle;
-    versine_ = 2.0 * half * half / square;
-    rest_ = (1.0 - sine_) / square;
-  }
-
-  Vector3d operator*(const Vector3d& v) const {
-    const Vector3d across = by_.cross(v);
-    return v + sine_ * across + versine_ * by_.cross(across);
-  }
-  Vector3d transposed_jacobian(const Vector3d& v) const {
-    const Vector3d across = by_.cross(v);
-    return v - versine_ * across + rest_ * by_.cross(across);
-  }
-
- private:
-  Vector3d by_;
-  double sine_ = 1.0, versine_ = 0.5, rest_ = 1.0 / 6.0;  ///< of the angle, over its powers
-};
 
 /// A reading ready for the fit.
 struct Plane {
