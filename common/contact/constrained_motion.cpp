@@ -62,7 +62,7 @@ using Eigen::VectorXd;
 /// Counting each degree of freedom 1.4 times keeps GCV from following the noise of few images (Kim and Gu).
 constexpr double kDegreesWeight = 1.4;
 /// Degrees of freedom.
-constexpr double kLeastTold = 0.5;
+constexpr double kMinTold = 0.5;
 
 Result<void> check(std::span<const double> t, std::span<const double> y, const EndConditions& e,
                    const SplineOptions& o) {
@@ -123,7 +123,7 @@ class SplineFitter {
     out.coefficients_.assign(c.begin(), c.end());
     const MatrixXd inverse =
         s.r.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(s.r.rows(), s.r.cols()));
-    const bool told = options_.smoothing || s.parameters >= kLeastTold;
+    const bool told = options_.smoothing || s.parameters >= kMinTold;
     const MatrixXd root = (told ? options_.noise_sd.value_or(out.residual_sd_) : 0.0) * null_space_ * inverse;
     out.covariance_factor_.assign(root.reshaped().begin(), root.reshaped().end());
     for (const auto& [row, sd] : {std::pair{2, ends_.slope_td.sd}, std::pair{3, ends_.slope_lo.sd}}) {

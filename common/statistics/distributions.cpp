@@ -41,10 +41,10 @@ double student_t_tail(double t, double degrees_of_freedom) {
 
 double noncentral_t_tail(double t, double degrees_of_freedom, double shift) {
   // Beyond these shifts the normal number hardly counts, and the library's series becomes long.
-  constexpr double kFewest = -8.0, kMost = 50.0;
+  constexpr double kMin = -8.0, kMax = 50.0;
   if (degrees_of_freedom > kAsGoodAsNormal) return 0.5 * std::erfc((t - shift) / std::sqrt(2.0));
-  if (shift < kFewest) return 0.0;
-  if (shift > kMost)
+  if (shift < kMin) return 0.0;
+  if (shift > kMax)
     return 1.0 - chi_squared_tail(degrees_of_freedom * (shift / t) * (shift / t), degrees_of_freedom);
   return boost::math::cdf(boost::math::complement(NoncentralT(degrees_of_freedom, shift), t));
 }

@@ -18,7 +18,7 @@ constexpr double kUsualStep = 1.5;
 constexpr double kMinStep = 0.6;
 // Images of the way down: as many as are wanted, and so few that nothing is left by which a wrong one shows.
 constexpr int kWanted = 6;
-constexpr int kFewest = 4;
+constexpr int kMinImages = 4;
 // Of the speed at the surface: slower, images of one leg hide each other.
 constexpr double kSlowestShare = 0.4;
 // Of the rebound, where it is not known.
@@ -58,7 +58,7 @@ Result<PlanFile> drop_plan(const PlanFile& plan, const RigFile& rig) {
   const double of_diameter_s = rig.ball.diameter_m / fall.speed_mps;
   const double lamp_s =
       to_seconds(std::max(rig.limits.lamp_period, rig.limits.flash_interval + microseconds{1}));
-  const double longest_s = fall.lit_s / kFewest;
+  const double longest_s = fall.lit_s / kMinImages;
   const double chosen_s = std::max(
       std::clamp(fall.lit_s / kWanted, kMinStep * of_diameter_s, kUsualStep * of_diameter_s), lamp_s);
   if (chosen_s > longest_s)
@@ -66,7 +66,7 @@ Result<PlanFile> drop_plan(const PlanFile& plan, const RigFile& rig) {
         "drop_height_m: a ball of {:.0f} mm is in view for the last {:.0f} ms of a fall from {:g} m, too "
         "short "
         "for {} images that do not hide each other: show more of its fall, or drop it from higher",
-        1e3 * rig.ball.diameter_m, 1e3 * fall.lit_s, plan.drop_height_m, kFewest));
+        1e3 * rig.ball.diameter_m, 1e3 * fall.lit_s, plan.drop_height_m, kMinImages));
   PlanFile result = plan;
   if (!plan.period_stated) {
     result.even.period = microseconds{std::llround(1e4 * chosen_s) * 100};

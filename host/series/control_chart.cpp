@@ -32,9 +32,9 @@ double one_sided_run_length(double limit, double shift) {
 /// As far from zero as a normal number that is as improbable as this Student's t.
 double normal_score(double t, double degrees_of_freedom) {
   const double above = 0.5 * statistics::student_t_tail(std::abs(t), degrees_of_freedom);
-  constexpr double kLeast = 1e-300;
+  constexpr double kMin = 1e-300;
   return statistics::student_t_quantile(std::numeric_limits<double>::infinity(),
-                                        std::clamp(above, kLeast, 0.5));
+                                        std::clamp(above, kMin, 0.5));
 }
 
 /// One that lies further off changes what is learnt no more than this: it may be the first of a drift.

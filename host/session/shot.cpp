@@ -178,16 +178,16 @@ std::optional<std::string> match_reason(const reduction::Readout& readout, const
 
 /// "flash 41", "flashes 41, 44, 60 and 5 more": of those that show the ball, where it is known which do.
 std::string listed(std::vector<int> flashes, const reduction::Readout& readout) {
-  constexpr std::size_t kMost = 4;
+  constexpr std::size_t kMax = 4;
   if (readout.flashes) {
     std::erase_if(flashes,
                   [&](int flash) { return flash < readout.flashes->first || flash > readout.flashes->last; });
   }
   if (flashes.empty()) return "";
   std::string text = flashes.size() == 1 ? "flash " : "flashes ";
-  for (std::size_t i = 0; i < std::min(kMost, flashes.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMax, flashes.size()); ++i)
     text += fmt::format("{}{}", i == 0 ? "" : ", ", flashes[i]);
-  return text + (flashes.size() > kMost ? fmt::format(" and {} more", flashes.size() - kMost) : "");
+  return text + (flashes.size() > kMax ? fmt::format(" and {} more", flashes.size() - kMax) : "");
 }
 
 }  // namespace

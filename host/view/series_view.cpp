@@ -62,11 +62,11 @@ std::string shots_words(const SeriesSummary& summary) {
 }
 
 std::string more_words(const QuantityDifference& d) {
-  constexpr int kMost = 10000;  // nobody fires more
+  constexpr int kMax = 10000;  // nobody fires more
   if (!d.more_first) return d.asked > 0.0 ? "no number" : "-";
   if (*d.more_first == 0 && *d.more_second == 0) return "enough";
-  if (std::max(*d.more_first, *d.more_second) > kMost) return "more than 10,000";
-  const std::string most = d.of_each->most > kMost ? "more than 10,000" : fmt::format("{}", d.of_each->most);
+  if (std::max(*d.more_first, *d.more_second) > kMax) return "more than 10,000";
+  const std::string most = d.of_each->most > kMax ? "more than 10,000" : fmt::format("{}", d.of_each->most);
   return fmt::format("{} + {} ({} to {})", *d.more_first, *d.more_second, d.of_each->fewest, most);
 }
 

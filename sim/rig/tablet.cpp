@@ -20,7 +20,7 @@ using reduction::PointPx;
 /// Where the surface is measured, as shares of the view's half width: well apart, clear of the impact.
 constexpr std::array kSurfacePoints{-0.95, -0.70, 0.70, 0.95};
 
-constexpr double kMostTilt_rad = 75.0 * std::numbers::pi / 180.0;
+constexpr double kMaxTilt_rad = 75.0 * std::numbers::pi / 180.0;
 
 std::optional<double> known(double sd) { return sd > 0.0 ? std::optional(sd) : std::nullopt; }
 
@@ -109,7 +109,7 @@ class Hand {
   void tell_tilt(const LineView& line, BallImage& image) {
     const double tilt_sd_rad = scene_.tablet.equator_tilt_sd_rad;
     const double tilt_rad = line.tilt_rad + error_ * tilt_draws_.normal(0.0, tilt_sd_rad);
-    if (std::abs(line.tilt_rad) > kMostTilt_rad) image.equator_rad.reset();
+    if (std::abs(line.tilt_rad) > kMaxTilt_rad) image.equator_rad.reset();
     if (!image.equator_rad || tilt_sd_rad == 0.0) return;
     // Of the direction in which the equator was read.
     const bool along = std::cos(*image.equator_rad - line.equator_rad) > 0.0;

@@ -87,7 +87,7 @@ double lasts(const Margin& m, double curvature) {
 /// `came` is the direction of the slip before it, whose margin begins as a double root; its third derivative
 /// bounds the way over that.
 double length_of_grip(const Law& law, const State& begin, double x, int came, int& direction) {
-  constexpr int kMostSteps = 2000;
+  constexpr int kMaxSteps = 2000;
   const double frequency = law.frequency();
   const double amplitude = std::hypot(begin.f, law.kappa * begin.w / frequency);
   const double curvature = law.mu + frequency * frequency * amplitude;
@@ -98,7 +98,7 @@ double length_of_grip(const Law& law, const State& begin, double x, int came, in
     const double over = 1.5 * bend / (curvature + frequency * frequency * frequency * amplitude);
     dx = std::min({end, over, lasts(margin_of(law, begin, x, 0.0, -came), curvature)});
   }
-  for (int i = 0; i < kMostSteps && dx < end; ++i) {
+  for (int i = 0; i < kMaxSteps && dx < end; ++i) {
     double step = end;
     for (const int way : {-1, 1}) {
       const double safe = lasts(margin_of(law, begin, x, dx, way), curvature);
@@ -115,11 +115,11 @@ double length_of_grip(const Law& law, const State& begin, double x, int came, in
 
 /// Through one half; whether the contact gripped in it.
 bool pass(const Law& law, State& state) {
-  constexpr int kMostChanges = 1000;  // of grip and slip; a very stiff tangential spring makes some 60
+  constexpr int kMaxChanges = 1000;  // of grip and slip; a very stiff tangential spring makes some 60
   double x = 0.0;
   int came = 0;
   bool grips = false;
-  for (int i = 0; i < kMostChanges && x < kQuarter; ++i) {
+  for (int i = 0; i < kMaxChanges && x < kQuarter; ++i) {
     if (state.sigma != 0) {
       const double end = end_of_slip(law, state, x);
       came = state.sigma;

@@ -105,7 +105,7 @@ double ContactPosterior::log_density(const VectorXd& coordinates) const {
 /// Draws that are worth so many independent ones give an interval's end to a tenth of an sd.
 constexpr double kEnoughDraws = 300.0;
 /// Worth fewer, an sd depends on the seed by 7 % and more; chains that hardly move have none.
-constexpr double kFewestDraws = 100.0;
+constexpr double kMinDraws = 100.0;
 constexpr double kMaxRHat = 1.05;
 constexpr double kContactsOfARound = 5e5;
 constexpr double kLowerLevel = 0.5 * (1.0 - kIntervalLevel);
@@ -163,7 +163,7 @@ void by_metropolis(const ContactPosterior& posterior, const PosteriorOptions& op
   out.acceptance = drawn.acceptance;
   out.evaluations += drawn.evaluations;
   out.reliable = *out.r_hat <= kMaxRHat && out.effective_size >= kEnoughDraws;
-  if (out.effective_size >= kFewestDraws) return;
+  if (out.effective_size >= kMinDraws) return;
   out.method = PosteriorMethod::laplace;
   out.sample = {};
 }

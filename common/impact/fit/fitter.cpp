@@ -32,7 +32,7 @@ constexpr double kProfileTolerance =
 constexpr double kPoolingLevel = 0.25;
 /// Shots beyond the first of their series: two residuals each, so that the mean square within has an sd of
 /// half of it.
-constexpr double kFewestRepetitions = 4.0;
+constexpr double kMinRepetitions = 4.0;
 
 /// Those of the closed forms come first.
 constexpr std::size_t kFormParameters = index(Parameter::alpha) + 1;
@@ -254,7 +254,7 @@ void Fitter::estimate_scatter() {
   const auto groups = static_cast<double>(series_.size());
   const double left = 2.0 * groups - static_cast<double>(free_.size());
   scatter_ = 0.0;
-  if (left < 1.0 || total - groups < kFewestRepetitions || !(within > 0.0)) return;
+  if (left < 1.0 || total - groups < kMinRepetitions || !(within > 0.0)) return;
   const double freedom_within = 2.0 * (total - groups);
   const double ratio = (between / left) / (within / freedom_within);
   if (ratio <= 1.0 || statistics::f_tail(ratio, left, freedom_within) > kPoolingLevel) return;

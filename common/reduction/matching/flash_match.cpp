@@ -281,7 +281,7 @@ double usual_step_px(const Track& track) {
   return 0.5 * (steps[(steps.size() - 1) / 2] + steps[steps.size() / 2]);
 }
 
-constexpr std::ptrdiff_t kFewestLeft = 3;  // of a leg: two have no residual
+constexpr std::ptrdiff_t kMinLeft = 3;  // of a leg: two have no residual
 // Of the interval: a velocity changes by as little.
 constexpr double kSameShare = 0.005;
 
@@ -295,7 +295,7 @@ bool is_airborne(const TrackPoint& image) { return image.leg != Leg::contact; }
 
 bool can_be_left_out(const Track& track, std::size_t image) {
   const Leg leg = track.images[image].leg;
-  return leg == Leg::contact || std::ranges::count(track.images, leg, &TrackPoint::leg) > kFewestLeft;
+  return leg == Leg::contact || std::ranges::count(track.images, leg, &TrackPoint::leg) > kMinLeft;
 }
 
 /// -2 ln of the likelihood, less what noise alone makes of it: so that one of fewer images in the air is not

@@ -69,7 +69,7 @@ bool allow_for_drop(Track& track) {
   // them.
   constexpr double kWidthOfDiameter = 0.25;
   constexpr double kShareHidden = 0.3;
-  constexpr int kMostHidden = 8;
+  constexpr int kMaxHidden = 8;
   double left = std::numeric_limits<double>::infinity(), right = -left;
   double lowest[2] = {left, left}, highest[2] = {right, right};
   for (const TrackPoint& image : track.images) {
@@ -83,7 +83,7 @@ bool allow_for_drop(Track& track) {
   const double common = std::min(highest[0], highest[1]) - std::max(lowest[0], lowest[1]);
   if (!(common > 0.0 && right - left <= kWidthOfDiameter * 2.0 * track.radius_px)) return false;
   track.missed_share = std::max(track.missed_share, kShareHidden);
-  track.most_missed = kMostHidden;
+  track.most_missed = kMaxHidden;
   return true;
 }
 

@@ -130,7 +130,7 @@ struct MeasuredOffset {
 /// Of the sizes of the offsets of all images but one. Returns nullopt if they tell none.
 std::optional<CommonOffset> common_offset(std::span<const std::optional<MeasuredOffset>> offsets,
                                           std::size_t but) {
-  constexpr std::size_t kFewestOthers = 3;
+  constexpr std::size_t kMinOthers = 3;
   constexpr double kClear_sd = 5.0;  // below, a mean of sizes is one of noise
   double weights = 0.0, sum = 0.0;
   std::vector<MeasuredOffset> used;
@@ -140,7 +140,7 @@ std::optional<CommonOffset> common_offset(std::span<const std::optional<Measured
     weights += 1.0 / used.back().variance;
     sum += std::abs(used.back().offset) / used.back().variance;
   }
-  if (used.size() < kFewestOthers) return std::nullopt;
+  if (used.size() < kMinOthers) return std::nullopt;
   const double offset = sum / weights;
   double squares = 0.0;
   for (const MeasuredOffset& one : used) squares += std::pow(std::abs(one.offset) - offset, 2) / one.variance;
@@ -169,8 +169,8 @@ void fit_with_common_priors(const Scene& scene, const std::vector<Near>& near, s
     if (unbiased[k])
       offsets[k] = MeasuredOffset{unbiased[k]->line[1], fit.scatter * unbiased[k]->variance(1, 1)};
   }
-  constexpr std::size_t kFewestBalls = 5;
-  const bool known = sizes.size() >= kFewestBalls;
+  constexpr std::size_t kMinBalls = 5;
+  const bool known = sizes.size() >= kMinBalls;
   const double offset_sd = kSdOverMad * upper_median(sizes);
   const double tilt_sd = std::max(kSdOverMad * upper_median(tilts), 0.005);
   for_each_ball(scene, [&](std::size_t k) {
@@ -257,13 +257,13 @@ Scatter common_scatter(const std::vector<Found>& found) {
 /// `factor`: of the fit's variances.
 std::optional<Equator::Tilt> tilt_of(const LineFit& fit, double factor, double angle_sd_rad,
                                      double floor_rad) {
-  constexpr double kMostSd_rad = 10.0 * kDegree;  // beyond, the fit is not linear
+  constexpr double kMaxSd_rad = 10.0 * kDegree;  // beyond, the fit is not linear
   const auto free = without_prior(fit, cv::Matx33d::diag({0.0, 0.0, fit.prior(2, 2)}));
-  if (!free || std::abs(free->line[2]) > kMostTilt_rad) return std::nullopt;
+  if (!free || std::abs(free->line[2]) > kMaxTilt_rad) return std::nullopt;
   Equator::Tilt tilt;
   tilt.tilt_rad = free->line[2];
   tilt.sd_rad = std::hypot(std::sqrt(factor * free->variance(2, 2)), floor_rad);
-  if (!(tilt.sd_rad < kMostSd_rad)) return std::nullopt;
+  if (!(tilt.sd_rad < kMaxSd_rad)) return std::nullopt;
   tilt.correlation = std::clamp(factor * fit.variance(0, 2) / (angle_sd_rad * tilt.sd_rad), -0.999, 0.999);
   return tilt;
 }

@@ -192,7 +192,7 @@ LineFitSettings line_fit_settings(const Disc& disc, TiltRange range, double tilt
   settings.offset_sd = std::hypot(0.008, 1.5 * disc.centre_sd);
   if (range == TiltRange::all) {
     settings.tilt_sd = std::max(settings.tilt_sd, 1.5 * std::abs(tilt_rad));
-    settings.most_tilt_rad = kMostTilt_rad;
+    settings.most_tilt_rad = kMaxTilt_rad;
   }
   settings.centre_sd = disc.centre_sd;
   settings.radius_sd = disc.radius_sd;

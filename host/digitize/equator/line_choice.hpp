@@ -10,7 +10,7 @@
 
 namespace strobe::digitize {
 
-inline constexpr double kMostTilt_rad = 1.25;  ///< beyond, a line runs along the outline
+inline constexpr double kMaxTilt_rad = 1.25;  ///< beyond, a line runs along the outline
 
 /// The line as most balls of the photograph show it.
 struct TypicalLine {

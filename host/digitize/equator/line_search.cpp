@@ -12,7 +12,7 @@ namespace {
 constexpr double kSearchInner = 0.95;
 constexpr int kMaxCells = 44;        ///< a radius
 constexpr double kSlightTilt = 0.3;  ///< 5 degrees of tilt, and what perspective adds off the axis
-constexpr double kMostTilt = 1.2;    ///< beyond, hardly half a radius of the line is seen
+constexpr double kMaxTilt = 1.2;     ///< beyond, hardly half a radius of the line is seen
 constexpr double kClip = 2.5;        ///< sd, largest contribution of one column
 
 /// Narrow lines need finer steps of tilt.
@@ -69,7 +69,7 @@ Plan make_plan(int per_radius, Effort effort, TiltRange range) {
   Plan plan;
   plan.angles = effort == Effort::fast ? 45 : 60;
   plan.columns = effort == Effort::fast ? 28 : 36;
-  const double most = range == TiltRange::all ? kMostTilt : kSlightTilt;
+  const double most = range == TiltRange::all ? kMaxTilt : kSlightTilt;
   for (const Width& width : kWidths) {
     if (width.half * per_radius < 0.6) continue;  // finer than the cells
     Patterns& patterns = plan.widths.emplace_back(Patterns{width.half, {}});

@@ -55,8 +55,8 @@ float full_light(const cv::Mat& numbers, double full, const cv::Mat& light) {
   for (int y = 0; y < light.rows; ++y)
     for (int x = 0; x < light.cols; ++x)
       if (count.at<std::uint8_t>(y, x) >= kGreens) lights.push_back(light.at<float>(y, x));
-  constexpr std::size_t kFewest = 20;
-  return lights.size() < kFewest ? 1.0F : quantile(std::move(lights), 1, 100);
+  constexpr std::size_t kMinLights = 20;
+  return lights.size() < kMinLights ? 1.0F : quantile(std::move(lights), 1, 100);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace strobe::digitize {
 
 namespace {
 
-constexpr std::size_t kFewest = 5;
+constexpr std::size_t kMinSamples = 5;
 constexpr double kMinSd = 5e-4;  // no ball can be said to be rounder
 constexpr double kMaxSd = 0.02;
 constexpr double kSquareSd = 1e-3;  // pixels are nearly square
@@ -50,7 +50,7 @@ cv::Vec2d OvalModel::at(cv::Point2d plane_px) const { return terms(plane_px) * u
 
 std::optional<OvalModel> fit_oval_model(std::span<const OvalSample> samples, cv::Point2d middle,
                                         double reach_px) {
-  if (samples.size() < kFewest) return std::nullopt;
+  if (samples.size() < kMinSamples) return std::nullopt;
   OvalModel agreed;
   agreed.middle_ = middle;
   agreed.reach_px_ = reach_px;
@@ -159,7 +159,7 @@ Square outline_covariance(const FittedSectors& sectors, const Square& prior, dou
 }
 
 constexpr double kMinSigma_px = 0.35;
-constexpr int kFewestEdges = 6;
+constexpr int kMinEdges = 6;
 
 Vector gradient(cv::Point2d out) {
   const double c = out.x, s = out.y;
@@ -190,7 +190,7 @@ class Fit {
     const double grown = blur_change();
     for (SectorEdge& edge : offsets_.edges) edge.offset_px += edge.offset_by_sigma * grown;
     solve(change_);
-    if (used() < kFewestEdges) return false;
+    if (used() < kMinEdges) return false;
     const double most = 2.0 * std::max(sigma_, 0.7);
     sigma_ += grown;
     Vector change = change_;

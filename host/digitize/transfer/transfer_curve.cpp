@@ -188,10 +188,10 @@ bool TransferCurve::is_proportional() const {
 
 std::optional<TransferCurve> measure_transfer(const Photograph& photograph, const PlaneMap& map,
                                               std::span<const Outline> outlines) {
-  constexpr std::size_t kFewestPowers = 5;
+  constexpr std::size_t kMinPowers = 5;
   const std::vector<BallDisc> discs = discs_of(map, outlines);
   const std::vector<double> powers = log_powers(photograph, discs);
-  if (powers.size() < kFewestPowers) return std::nullopt;
+  if (powers.size() < kMinPowers) return std::nullopt;
   const double middle = upper_median(powers);
   std::vector<double> off;
   for (const double power : powers) off.push_back(std::abs(power - middle));

@@ -22,7 +22,7 @@ using namespace strobe::sim;
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
-constexpr double kMostTilt_rad = 62.0 * kDegree;
+constexpr double kMaxTilt_rad = 62.0 * kDegree;
 
 Scene scene_of(const std::string& spins, const std::string& camera = "", const std::string& ball = "") {
   auto scene = parse_scene("[machine]\nspeed_mps = 17\nangle_deg = -23\n" + spins +
@@ -162,7 +162,7 @@ Worst worst_of(const Scene& scene, double offset = 0.0) {
   Pictured pictured(scene, all);
   std::vector<ImageTruth> images;
   for (const ImageTruth& image : pictured.truth().images)
-    if (image.whole && !image.contact_width_px && std::abs(image.equator_tilt_rad) < kMostTilt_rad)
+    if (image.whole && !image.contact_width_px && std::abs(image.equator_tilt_rad) < kMaxTilt_rad)
       images.push_back(image);
   std::ranges::sort(images, std::ranges::greater(),
                     [](const ImageTruth& image) { return std::abs(image.equator_tilt_rad); });
@@ -237,7 +237,7 @@ TEST(Attitude, OfTheSecondRenderersLinesIsAsItsTruthTells) {
       const double aside_px = std::abs(image.centre_px.x - middle_px);
       if (!image.whole || image.leg == reduction::Leg::contact || aside_px > 0.1 * scene.camera.px_per_m) continue;
       const double e = image.equator_rad.value(), t = image.equator_tilt_rad.value();
-      if (std::abs(t) < 20.0 * kDegree || std::abs(t) > kMostTilt_rad) continue;
+      if (std::abs(t) < 20.0 * kDegree || std::abs(t) > kMaxTilt_rad) continue;
       ++looked_at;
       const auto green = [&](bool line) {
         scene.ball_appearance.line = line;

@@ -16,10 +16,10 @@ namespace strobe::studies {
 namespace {
 
 constexpr double kRadius_m = 0.020;
-constexpr int kMostPositions = 14, kFewestPositions = 8;
-constexpr double kMostSpin_radps = 800.0;  ///< beyond it a spin is taken for a mistake
-constexpr double kMostNoise_m = 0.004;
-constexpr double kMostAcross = 0.1;
+constexpr int kMaxPositions = 14, kMinPositions = 8;
+constexpr double kMaxSpin_radps = 800.0;  ///< beyond it a spin is taken for a mistake
+constexpr double kMaxNoise_m = 0.004;
+constexpr double kMaxAcross = 0.1;
 constexpr double kAlpha = 0.655, kShare = kAlpha / (1.0 + kAlpha);
 constexpr double kSpinShare_sd = 0.02;     ///< assumed; the dataset states none
 
@@ -82,12 +82,12 @@ std::optional<Split> split(const std::vector<Position>& flight) {
   double least = 0.0, lowest = 1e9;
   for (const Position& p : flight) lowest = std::min(lowest, p.at.z());
   const int n = static_cast<int>(flight.size());
-  for (int k = kFewestPositions; k <= n - kFewestPositions; ++k) {
+  for (int k = kMinPositions; k <= n - kMinPositions; ++k) {
     const Position& last = flight[static_cast<std::size_t>(k - 1)];
     if (last.at.z() > lowest + 0.05) continue;
     const double origin = flight[static_cast<std::size_t>(k)].t_s;
-    Split one{.before = fitted(flight, std::max(0, k - kMostPositions), k, origin),
-              .after = fitted(flight, k, std::min(n, k + kMostPositions), origin)};
+    Split one{.before = fitted(flight, std::max(0, k - kMaxPositions), k, origin),
+              .after = fitted(flight, k, std::min(n, k + kMaxPositions), origin)};
     const double squares = one.before.squares + one.after.squares;
     if (best && squares >= least) continue;
     const auto t = meeting(one.before, one.after);
@@ -231,8 +231,8 @@ Result<TableTennis> read_spindoe(const std::string& folder) {
     const TableTennisBounce b = bounce_of(number, *found, spin);
     const double e = *b.bounce.restitution();
     SpatialBounce spatial = spatial_of(number, *found, spin);
-    spatial.across = std::abs(b.across) > kMostAcross;
-    if (spin.norm() > kMostSpin_radps || b.noise_m > kMostNoise_m || e > 1.05 || e < 0.6)
+    spatial.across = std::abs(b.across) > kMaxAcross;
+    if (spin.norm() > kMaxSpin_radps || b.noise_m > kMaxNoise_m || e > 1.05 || e < 0.6)
       ++out.implausible;
     else if (spatial.across)
       ++out.across;
