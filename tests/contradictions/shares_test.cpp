@@ -19,7 +19,7 @@ using strobe::testing::repetitions;
 
 namespace {
 
-constexpr int kShots = 2000;
+constexpr int kShots = 1000;
 
 struct Shares {
   double silent = 0.2, unprovable = 0.0;  ///< in percent
