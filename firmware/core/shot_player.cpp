@@ -41,11 +41,12 @@ void ShotPlayer::report(EventKind kind, Line line, int level, const Issue& issue
   sink_.event(event);
 }
 
-void ShotPlayer::report(EventKind kind, MonoTime time, const ShortText& detail) noexcept {
+void ShotPlayer::report(EventKind kind, MonoTime time, const ShortText& detail, MonoTime commanded) noexcept {
   Event event;
   event.kind = kind;
   event.shot_id = record_->shot_id;
   event.device_time = time;
+  event.commanded = commanded;
   event.detail = detail;
   sink_.event(event);
 }
@@ -130,7 +131,8 @@ void ShotPlayer::issue(const PlannedPulse& pulse, MonoTime now) noexcept {
                   : pulse.output == Output::trigger ? "trigger"
                                                     : "shutter");
     if (pulse.output == Output::strobes) why.append(pulse.flash_index);
-    abort(why.append(" would have been ").append(lateness / microseconds(1)).append(" us late"));
+    abort(why.append(" would have been ").append(lateness / microseconds(1)).append(" us late"),
+          at(pulse.at));
     return;
   }
   switch (pulse.output) {
@@ -236,7 +238,7 @@ void ShotPlayer::switch_off(Output output, MonoTime now) noexcept {
   ShortText why(output == Output::strobes   ? "the lamps' lines were"
                 : output == Output::trigger ? "the trigger was"
                                             : "the shutter was");
-  abort(why.append(" on for ").append(on_time / microseconds(1)).append(" us"));
+  abort(why.append(" on for ").append(on_time / microseconds(1)).append(" us"), issue.commanded);
 }
 
 void ShotPlayer::edge(const Edge& edge) noexcept {
@@ -319,17 +321,17 @@ void ShotPlayer::gate(MonoTime stamp) noexcept {
 
 void ShotPlayer::stop(const ShortText& why) noexcept {
   if (phase_ != Phase::playing) return;
-  cut_short(why);
+  cut_short(why, kNoTime);
   assert(!interlock_.trigger_pending());
 }
 
-void ShotPlayer::abort(const ShortText& why) noexcept {
+void ShotPlayer::abort(const ShortText& why, MonoTime late_for) noexcept {
   if (phase_ != Phase::playing) return;
-  cut_short(why);
+  cut_short(why, late_for);
   interlock_.aborted();
 }
 
-void ShotPlayer::cut_short(const ShortText& why) noexcept {
+void ShotPlayer::cut_short(const ShortText& why, MonoTime late_for) noexcept {
   assert(phase_ == Phase::playing && record_->abort_reason.empty());
   const bool shutter_was_open = outputs_.active(Output::shutter);
   outputs_.all_off();  // a failure is the sequencer's to act on
@@ -339,7 +341,7 @@ void ShotPlayer::cut_short(const ShortText& why) noexcept {
   }
   record_->abort_reason = why;
   close();
-  report(EventKind::shot_aborted, clock_.now(), why);
+  report(EventKind::shot_aborted, clock_.now(), why, late_for);
 }
 
 void ShotPlayer::end_if_over() noexcept {

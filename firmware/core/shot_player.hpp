@@ -37,7 +37,8 @@ class ShotPlayer {
   /// Ends the shot under way, if there is one: the interlock has ordered it, and withheld the trigger.
   void stop(const ShortText& why) noexcept;
   /// Likewise for a reason that the interlock does not know: it withholds the trigger from now on.
-  void abort(const ShortText& why) noexcept;
+  /// late_for: when the pulse was due whose lateness it is.
+  void abort(const ShortText& why, MonoTime late_for = kNoTime) noexcept;
   /// Issues what is due within the spin time, and ends the shot when it is over.
   void run_due() noexcept;
 
@@ -54,7 +55,7 @@ class ShotPlayer {
   void switch_off(Output output, MonoTime now) noexcept;
   void gate(MonoTime stamp) noexcept;
   void xsync(const Edge& edge) noexcept;
-  void cut_short(const ShortText& why) noexcept;
+  void cut_short(const ShortText& why, MonoTime late_for) noexcept;
   void close() noexcept;
   ShutterFeedback shutter_feedback() const noexcept;
   bool lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexcept;
@@ -62,7 +63,7 @@ class ShotPlayer {
   void end_if_over() noexcept;
   void report(EventKind kind, Line line, int level, const Issue& issue,
               std::int32_t flash_index = -1) noexcept;
-  void report(EventKind kind, MonoTime time, const ShortText& detail) noexcept;
+  void report(EventKind kind, MonoTime time, const ShortText& detail, MonoTime commanded = kNoTime) noexcept;
 
   const Rig& rig_;
   Clock& clock_;

@@ -108,9 +108,27 @@ bool Publisher::collect() {
   LoopQueue::Item item;
   for (std::size_t n = 0; n < kBatch; ++n) {
     if (!queue_.pop(item)) return false;
+    if (auto* event = std::get_if<Event>(&item)) name_culprit(*event);
     std::visit([this](const auto& content) { take(content); }, item);
   }
   return true;
+}
+
+/// What is late enough to be told is rare, or the machine unfit: this may take a millisecond.
+void Publisher::name_culprit(Event& event) {
+  const bool aborted = event.kind == EventKind::shot_aborted && known(event.commanded);
+  const bool late =
+      event.kind == EventKind::flash && event.issue_start - event.commanded > rig_.tolerance.late;
+  if (!aborted && !late) return;
+  const std::string culprit =
+      settings_.culprit(event.commanded, aborted ? event.device_time : event.issue_start);
+  if (culprit.empty()) return;
+  if (late) {
+    const Duration lateness = event.issue_start - event.commanded;
+    event.detail.append(lateness / microseconds(1)).append(" us late");
+  }
+  event.detail.append(": ").append(culprit);
+  if (aborted) late_abort_ = event;
 }
 
 void Publisher::take(const Event& event) {
@@ -154,6 +172,8 @@ void Publisher::take(const LoopStatus& status) {
 void Publisher::take(ShotRecord* record) {
   assert(shot_first_sequence_ > 0 && shot_first_sequence_ <= sequence_);
   const SequenceRange sequences{shot_first_sequence_, sequence_};
+  if (const auto abort = std::exchange(late_abort_, std::nullopt); abort && abort->shot_id == record->shot_id)
+    record->abort_reason = abort->detail;
   const auto notes = merged(rig_.record, mailbox_.take(record->host_id, record->command_id));
   outbox_.push_back({Message::Kind::shot, sequences, shot_channel_,
                      messages::encode(to_message(*record, rig_, settings_.boot_id, sequences, notes))});

@@ -37,6 +37,8 @@ struct PublisherSettings {
   std::atomic<std::int64_t>* heartbeat_ns = nullptr;  ///< set at each turn, for the watchdog
   int drill_at_shot = 0;  ///< `drill` is called at flashes from the n-th shot of this boot on; 0: never
   std::function<void()> drill;
+  /// What ran instead of the loop in a span, in words; empty: nothing is known. Asked for what was late.
+  std::function<std::string(MonoTime, MonoTime)> culprit = [](MonoTime, MonoTime) { return std::string(); };
   FolderFindings found;  ///< reported by events after STARTED, and in the status
   ShotNumbers* numbers =
       nullptr;  ///< sets numbers for shots aside; null: none need be. Outlives the publisher
@@ -64,6 +66,7 @@ class Publisher {
   void empty_queue();
   bool collect();
   void take(const Event& event);
+  void name_culprit(Event& event);
   void report_earlier_boots(MonoTime now);
   void report_repaired(const std::string& line, MonoTime now);
   void take(const LoopStatus& status);
@@ -93,6 +96,7 @@ class Publisher {
   std::int64_t journalled_sequence_ = 0;
   std::int64_t shot_first_sequence_ = 0;
   int shots_started_ = 0;
+  std::optional<Event> late_abort_;  ///< of the shot under way
   bool sync_due_ = false;
   ShotTiming timing_;
   HistogramMessages histograms_;

@@ -14,6 +14,7 @@
 #include "common/messages/channels.hpp"
 #include "firmware/core/sequencer.hpp"
 #include "firmware/linux/console.hpp"
+#include "firmware/linux/core_watch.hpp"
 #include "firmware/linux/event_fd.hpp"
 #include "firmware/linux/gpio_inputs.hpp"
 #include "firmware/linux/gpio_outputs.hpp"
@@ -21,6 +22,7 @@
 #include "firmware/linux/signals.hpp"
 #include "firmware/linux/sleep_inhibitor.hpp"
 #include "firmware/linux/system_clock.hpp"
+#include "firmware/linux/system_files.hpp"
 #include "firmware/linux/tick_finder.hpp"
 #include "firmware/publisher/command_feed.hpp"
 #include "firmware/publisher/journal_folder.hpp"
@@ -96,6 +98,7 @@ class LoopThread {
     go_.set_value(ShortText());
     thread_.join();
   }
+  pid_t tid() const { return tid_; }  ///< once set up
   /// What could not be had of the thread's real-time rights.
   std::vector<std::string> set_up() { return set_up_.get_future().get(); }
   /// Returns once the levels of key and e-stop have been read: the first status is to tell them.
@@ -115,6 +118,7 @@ class LoopThread {
 
  private:
   void run(const Rig::RealTime& wanted) noexcept {
+    tid_ = gettid();
     std::vector<std::string> faults;
     for (const std::string& fault : {pin_to_cpu(wanted.cpu), become_real_time(wanted.priority)}) {
       if (!fault.empty()) faults.push_back(fault);
@@ -173,6 +177,7 @@ class LoopThread {
   std::atomic<bool> hang_{false};
   std::atomic<bool> lose_outputs_{false};
   bool well_ = true;
+  pid_t tid_ = 0;
   std::promise<std::vector<std::string>> set_up_;
   std::promise<ShortText> go_;
   std::promise<void> levels_read_;
@@ -189,6 +194,27 @@ std::function<void()> drill(const std::string& name, LoopThread& loop) {
   }
   if (name == "output-failure") return [&loop] { loop.lose_outputs(); };
   return [&loop] { loop.hang(); };
+}
+
+std::set<int> cpus_of_loop(const Rig::RealTime& wanted) {
+  if (wanted.cpu >= 0) return {wanted.cpu};
+  return parse_cpu_list(SystemFiles().read("sys/devices/system/cpu/online").value_or("0"));
+}
+
+/// For PublisherSettings::culprit.
+std::function<std::string(MonoTime, MonoTime)> culprits_of(const Rig::RealTime& wanted, pid_t loop,
+                                                           Console& console) {
+  const auto none = [](MonoTime, MonoTime) { return std::string(); };
+  if (!clock_is_the_kernels()) return none;
+  auto opened = CoreWatch::open(cpus_of_loop(wanted), loop);
+  if (!opened) {
+    console.say("late flashes will not name what ran instead: " + opened.error().message);
+    return none;
+  }
+  return [watch = std::make_shared<CoreWatch>(std::move(*opened))](MonoTime from, MonoTime to) {
+    const Culprit culprit = watch->culprit(from, to);
+    return culprit.kind == Culprit::Kind::unknown ? std::string() : in_words(culprit);
+  };
 }
 
 }  // namespace
@@ -263,6 +289,7 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page, GpioO
   settings.heartbeat_ns = &page.publisher_heartbeat_ns;
   settings.drill_at_shot = options.drill_at_shot;
   settings.drill = drill(options.drill, loop);
+  settings.culprit = culprits_of(rig.real_time, loop.tid(), console);
   settings.on_first_status = [&rig, &options, &page, &console, boot_id] {
     console.say("ready, rig " + rig.name + ", boot " + boot_in_hex(boot_id) + ", key " + options.key_words);
     page.ready = true;

@@ -96,11 +96,24 @@ void add_if_flagged(OutOfPlane& to, const reduction::Readout& readout, reduction
   to.sum += (*readout.spatial)[quantity]->value;
 }
 
+/// Of "flash 3 would have been 1712 us late: kworker/1:2 (pid 71) ran for 912 us"; empty: none is named.
+std::string culprit_in(std::string_view reason) {
+  constexpr std::string_view kBefore = " us late: ";
+  const std::size_t at = reason.find(kBefore);
+  if (at == std::string_view::npos) return {};
+  reason.remove_prefix(at + kBefore.size());
+  for (const std::string_view after : {" (pid ", " ran for ", " for "})
+    reason = reason.substr(0, reason.find(after));
+  return std::string(reason);
+}
+
 }  // namespace
 
 void Series::add(const Shot& shot) {
   if (shot.rejected) {
     ++rejected_;
+    const std::string name = shot.summary ? culprit_in(shot.summary->abort_reason) : std::string();
+    if (!name.empty()) ++culprits_[name];
     return;
   }
   ++counted_;
@@ -166,6 +179,7 @@ SeriesSummary Series::summary(std::string name) const {
   summary.name = std::move(name);
   summary.counted = counted_;
   summary.rejected = rejected_;
+  summary.culprits = culprits_;
   summary.until_known = until_known_;
   summary.tilted = tilted_;
   summary.leaving = leaving_;

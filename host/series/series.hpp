@@ -72,6 +72,9 @@ struct SeriesSummary {
   std::array<QuantitySummary, reduction::kQuantityCount> quantities;  ///< index: Quantity
   std::vector<SeriesOutlier> outliers;
   OutOfPlane tilted, leaving;  ///< with axis_tilted; with out_of_plane
+  /// What ran instead of the rig's loop, "kworker/1:2", where shots were aborted for lateness; in how many
+  /// shots.
+  std::map<std::string, int> culprits;
 };
 
 /// A source that shots share, told apart by whose it is.
@@ -94,7 +97,7 @@ using SharedEffects = std::map<SharedSource, SharedEffect>;
 /// Keeps a few numbers of each shot.
 class Series {
  public:
-  /// A shot that is rejected is only counted as such.
+  /// A shot that is rejected is only counted as such, and what made it late is kept.
   void add(const Shot& shot);
 
   int counted() const { return counted_; }
@@ -117,6 +120,7 @@ class Series {
                      std::vector<SeriesOutlier>& found) const;
 
   int counted_ = 0, rejected_ = 0;
+  std::map<std::string, int> culprits_;
   bool shared_known_ = true;  ///< every shot came with its budget
   std::vector<std::string> names_;
   std::array<Column, reduction::kQuantityCount> columns_;

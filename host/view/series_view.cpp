@@ -55,6 +55,23 @@ void add_outliers(const SeriesSummary& summary, Lines& lines) {
     lines.push_back(fmt::format("  (Grubbs's test, {:.0f} % for each quantity)", 100.0 * kOutlierLevel));
 }
 
+/// The most frequent one first.
+void add_culprits(const SeriesSummary& summary, std::size_t width, Lines& lines) {
+  std::vector<std::pair<int, std::string>> names;
+  int shots = 0;
+  for (const auto& [name, times] : summary.culprits) {
+    names.emplace_back(times, name);
+    shots += times;
+  }
+  if (shots == 0) return;
+  std::ranges::stable_sort(names, std::ranges::greater{}, [](const auto& each) { return each.first; });
+  std::string words = fmt::format("! {} aborted for lateness",
+                                  shots == 1 ? "1 shot was" : fmt::format("{} shots were", shots));
+  for (const auto& [times, name] : names)
+    words += fmt::format("{} {} {}", &name == &names.front().second ? ":" : ",", name, times);
+  for (std::string& line : wrapped(words, width)) lines.push_back(std::move(line));
+}
+
 std::string shots_words(const SeriesSummary& summary) {
   std::string words = fmt::format("{} {} counted", summary.counted, summary.counted == 1 ? "shot" : "shots");
   if (summary.rejected > 0) words += fmt::format(", {} rejected", summary.rejected);
@@ -133,7 +150,9 @@ Lines render_summary(const SeriesSummary& summary, const std::optional<thesis::C
   if (summary.counted == 0) {
     const std::string why =
         summary.rejected > 0 ? fmt::format(": {} rejected", summary.rejected) : std::string(" yet");
-    return fitted({fmt::format("{}: no shot counted{}", name, why)}, width);
+    Lines lines{fmt::format("{}: no shot counted{}", name, why)};
+    add_culprits(summary, width, lines);
+    return fitted(std::move(lines), width);
   }
   Lines lines{name + ": " + shots_words(summary)};
   lines.push_back(header({"mean", "± 95 %", "total sd", "scatter", "std error", "shared"}) + right("n", 5) +
@@ -151,6 +170,7 @@ Lines render_summary(const SeriesSummary& summary, const std::optional<thesis::C
     lines.push_back("(one shot has no scatter: what it says of itself is above; a series needs two)");
   if (!summary.until_known.empty())
     for (std::string& line : wrapped("(" + sequential_words(summary) + ")", width)) lines.push_back(line);
+  add_culprits(summary, width, lines);
   add_outliers(summary, lines);
   for (const std::string& sentence : alignment_words(summary))
     for (std::string& line : wrapped("! " + sentence, width)) lines.push_back(std::move(line));

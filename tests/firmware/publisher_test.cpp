@@ -146,6 +146,50 @@ TEST(Publisher, JournalsAndPublishesAShotWithItsEvents) {
   CHECK_EQUAL(103u, strobe::testing::journal_entries(journal->path()).size());
 }
 
+TEST(Publisher, NamesTheCulpritOfWhatWasLateAndOfNothingElse) {
+  std::vector<std::pair<MonoTime, MonoTime>> asked;
+  settings.culprit = [&](MonoTime from, MonoTime to) {
+    asked.emplace_back(from, to);
+    return "kworker/1:2 (pid 71) ran for 912 us";
+  };
+  start();
+  Event event;
+  event.shot_id = 3;
+  event.kind = EventKind::shot_started;
+  queue.event(event);
+  event.kind = EventKind::flash;
+  event.commanded = from_ns(1'000'000);
+  for (const Duration lateness : {rig.tolerance.late, rig.tolerance.late + microseconds(1)}) {
+    event.issue_start = event.commanded + lateness;
+    event.issue_end = event.issue_start + milliseconds(1);
+    queue.event(event);
+  }
+  event.kind = EventKind::shot_aborted;
+  event.device_time = from_ns(9'000'000);
+  event.detail = "flash 2 would have been 8000 us late";
+  queue.event(event);
+  event.kind = EventKind::shot_aborted;  // not for lateness
+  event.commanded = kNoTime;
+  event.detail = "the key is off";
+  queue.event(event);
+  ShotRecord* record = queue.free_record();
+  record->shot_id = 3;
+  record->abort_reason = "flash 2 would have been 8000 us late";
+  CHECK_TRUE(queue.shot_done(record));
+  queue.flush();
+  CHECK_TRUE(until([&] { return listener.shots.size() == 1; }));
+  stop();
+  CHECK_EQUAL(2u, asked.size());
+  CHECK_TRUE(asked[0] == std::pair(from_ns(1'000'000), from_ns(1'000'000) + rig.tolerance.late + microseconds(1)));
+  CHECK_TRUE(asked[1] == std::pair(from_ns(1'000'000), from_ns(9'000'000)));
+  STRCMP_EQUAL("", listener.events[1].detail.c_str());
+  STRCMP_EQUAL("101 us late: kworker/1:2 (pid 71) ran for 912 us", listener.events[2].detail.c_str());
+  const char* aborted = "flash 2 would have been 8000 us late: kworker/1:2 (pid 71) ran for 912 us";
+  STRCMP_EQUAL(aborted, listener.events[3].detail.c_str());
+  STRCMP_EQUAL("the key is off", listener.events[4].detail.c_str());
+  STRCMP_EQUAL(aborted, listener.shots[0].abort_reason.c_str());
+}
+
 TEST(Publisher, SyncsTheJournalAfterEachShotAndAtTheEnd) {
   start();
   CHECK_TRUE(until([&] { return !listener.statuses.empty(); }));

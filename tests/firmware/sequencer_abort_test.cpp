@@ -40,6 +40,8 @@ TEST(SequencerAbort, FollowsAFreezeWithoutABurst) {
   rig.freeze(frozen, milliseconds(50));
   bench.play();
   expect_aborted("flash 51 would have been 48");  // it was due 2 ms into the freeze: 48 ms late
+  for (const Event& event : rig.events)
+    if (event.kind == EventKind::shot_aborted) CHECK(event.commanded == frozen + milliseconds(2));
   CHECK_EQUAL(51u, rig.instants(Output::strobes).size());
   CHECK(rig.instants(Output::strobes).back() < frozen);
   CHECK_FALSE(known(bench.shot().flashes[51].issue_end));

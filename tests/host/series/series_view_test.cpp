@@ -104,6 +104,26 @@ TEST(SeriesView, SaysWhereHalfOfItsShotsAreNotSquareToTheCamera) {
   CHECK_EQUAL(alignment_words(summary).front(), series_json(summary, std::nullopt)["alignment"][0].get<std::string>());
 }
 
+TEST(SeriesView, SumsUpWhatMadeShotsLate) {
+  auto shots = series_shots({10.0, 12.0, 14.0, 13.0, 11.0, 12.0});
+  const char* reasons[] = {"flash 3 would have been 1712 us late: the core stood still for 1690 us",
+                           "trigger would have been 1900 us late: kworker/1:2 (pid 71) ran for 1890 us",
+                           "flash 9 would have been 5000 us late: kworker/1:2 (pid 80) ran for 4990 us",
+                           "flash 9 would have been 5000 us late", "the key is off"};
+  const auto words = [&] {
+    return row(render_summary(summarize("a", shots), std::nullopt, 160), "! ");
+  };
+  for (int i = 0; i < 5; ++i) {
+    if (i == 0) STRCMP_EQUAL("", words().c_str());
+    shots[i].rejected = "the shot was aborted";
+    shots[i].summary.emplace().abort_reason = reasons[i];
+    if (i == 0) STRCMP_EQUAL("! 1 shot was aborted for lateness: the core stood still 1", words().c_str());
+  }
+  STRCMP_EQUAL("! 3 shots were aborted for lateness: kworker/1:2 2, the core stood still 1", words().c_str());
+  shots[5].rejected = "no image of the ball";
+  STRCMP_EQUAL("! 3 shots were aborted for lateness: kworker/1:2 2, the core stood still 1", words().c_str());
+}
+
 TEST(SeriesView, TellsAProgramTheSame) {
   const auto json = series_json(example(), std::nullopt);
   CHECK_EQUAL(3, json["counted"].get<int>());
