@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/authentication/key_file.hpp"
 #include "firmware/linux/guardian.hpp"
 #include "firmware/linux/inspect_lines.hpp"
 #include "firmware/linux/interrupts.hpp"
+#include "firmware/linux/machine_verdict.hpp"
 #include "firmware/linux/real_time_report.hpp"
 #include "firmware/linux/tick_finder.hpp"
 #include "firmware/worker/service_files.hpp"
@@ -81,6 +83,41 @@ std::string session_fault(const std::filesystem::path& session) {
   return "";
 }
 
+std::set<int> loop_may_run_on(const Rig& rig) {
+  if (rig.real_time.cpu >= 0) return {rig.real_time.cpu};
+  return parse_cpu_list(SystemFiles().read("sys/devices/system/cpu/online").value_or("0"));
+}
+
+Result<CulpritOf> watch_cores(const std::set<int>& cpus, pid_t tid) {
+  auto watch = CoreWatch::open(cpus, tid);
+  if (!watch) return tl::unexpected(watch.error());
+  auto shared = std::make_shared<CoreWatch>(std::move(*watch));
+  return [shared](MonoTime from, MonoTime to) { return shared->culprit(from, to); };
+}
+
+/// On standard error, for a person who waits.
+void tell_progress(Duration passed, Duration length) {
+  if (length <= milliseconds(2000) || isatty(STDERR_FILENO) == 0) return;
+  const bool over = passed >= length;
+  std::fprintf(stderr, over ? "\r\033[K" : "\rtrying the machine: %d of %d s ",
+               static_cast<int>(to_seconds(passed)), static_cast<int>(to_seconds(length)));
+}
+
+void report_machine(const Rig& rig, const Options& options, Report& report) {
+  if (options.trial == Duration{}) return;
+  if (!clock_is_the_kernels())
+    return report.item({"machine", Verdict::advice, "not tried: a simulated rig has a time of its own"});
+  exclude_cpu(rig.real_time.cpu);
+  const std::set<int> cpus = loop_may_run_on(rig);
+  const MachineCounters before = read_counters(cpus, SystemFiles());
+  const MachineTrial trial = try_machine(rig, cpus, options.trial, watch_cores,
+                                         [&](Duration passed) { tell_progress(passed, options.trial); });
+  tell_progress(options.trial, options.trial);
+  const MachineCounters after = read_counters(cpus, SystemFiles());
+  for (const CheckItem& item : machine_verdict(rig, trial, before, after, SystemFiles()))
+    report.item(item, options.allow_no_rt);
+}
+
 }  // namespace
 
 int check_rig(const Rig& rig, const Options& given) {
@@ -89,8 +126,10 @@ int check_rig(const Rig& rig, const Options& given) {
   report.item({"rig file", Verdict::ok, options.config});
   for (const CheckItem& item : inspect_lines(rig, SystemFiles())) report.item(item);
   const RealTimeRights trial = probe_real_time(rig.real_time);
-  for (const CheckItem& item : real_time_report(rig, trial, find_tick(rig.real_time), SystemFiles()))
+  for (const CheckItem& item :
+       real_time_report(rig, trial, trial.pinning.empty() ? find_tick(rig.real_time) : Tick{}, SystemFiles()))
     report.item(item, options.allow_no_rt);
+  report.item(kernel_item(SystemFiles()));
   const std::string fault = session_fault(options.session);
   report.item(fault.empty() ? CheckItem{"session", Verdict::ok, options.session.string()}
                             : CheckItem{"session", Verdict::fault, fault});
@@ -103,6 +142,7 @@ int check_rig(const Rig& rig, const Options& given) {
   report.item("lcm", lcm.good() ? ""
                                 : "LCM cannot use \"" + options.lcm_url +
                                       "\": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)");
+  report_machine(rig, options, report);
   report.print_lines_to_paste();
   return report.faults() == 0 ? kExitDone : kExitFailed;
 }

@@ -99,6 +99,7 @@ int run(int argc, char** argv) {
   Options options;
   bool check = false, safe = false, move = false;
   std::string session, drill;
+  int trial_s = 10;
   app.add_option("--config", options.config, "rig file (default: the example that comes with strobed)");
   app.add_option("--session", session, "folder of the journal; made if need be");
   app.add_option(
@@ -109,9 +110,14 @@ int run(int argc, char** argv) {
                  "the lab's key, which commands must be sealed with (default: the rig file's, "
                  "$STROBE_KEY_FILE, systemd's credential lab.key, ~/.config/strobe/lab.key)");
   app.add_flag("--allow-no-rt", options.allow_no_rt, "run without real-time rights, with a warning");
-  auto* check_flag = app.add_flag("--check", check,
-                                  "try chip, lines, rights, key and folder, tell what is wrong and what "
-                                  "mends it, and end");
+  auto* check_flag =
+      app.add_flag("--check", check,
+                   "try chip, lines, rights, key, folder and for some seconds the machine, tell "
+                   "what is wrong and what mends it, and end");
+  app.add_option("--seconds", trial_s, "with --check: how long the machine is tried; 0: not at all")
+      ->needs(check_flag)
+      ->check(CLI::Range(0, 3600))
+      ->capture_default_str();
   app.add_flag("--safe", safe, "drive all outputs inactive once, and end")->excludes(check_flag);
   app.add_flag("--move-interrupts", move,
                "as root: keep this computer's interrupts off the CPU of [real_time] cpu, and end")
@@ -137,6 +143,7 @@ int run(int argc, char** argv) {
     return bad_input("--drill: must be CAUSE@SHOT with SHOT from 1, is \"" + drill + "\"");
   }
   options.session = session;
+  options.trial = std::chrono::seconds(trial_s);
   if (auto found = choose_rig_file(options, safe || move); !found) return bad_input(found.error().message);
   auto rig = load_rig(options.config);
   if (!rig) return bad_input(rig.error().message);

@@ -2,6 +2,8 @@
 // real-time.
 #pragma once
 
+#include <sys/types.h>
+
 #include <string>
 
 #include "firmware/core/rig.hpp"
@@ -27,6 +29,7 @@ std::string lock_memory();
 std::string become_real_time(int priority);  ///< the calling thread, SCHED_FIFO
 void become_ordinary();                      ///< the calling thread, SCHED_OTHER
 std::string pin_to_cpu(int cpu);             ///< the calling thread; -1: does nothing
+void allow_any_cpu(pid_t thread);            ///< another one, that waits for its CPU in vain
 /// Keeps the calling thread and those it starts off the CPU, if there is another one; -1: does nothing.
 void exclude_cpu(int cpu);
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "common/authentication/key.hpp"
+#include "common/units/time.hpp"
 
 namespace strobe::firmware {
 
@@ -25,7 +26,8 @@ struct Options {
   bool allow_no_rt = false;
   bool verbose = false;
   bool json = false;
-  std::string drill;  ///< one of kDrills; empty: none
+  Duration trial = milliseconds(10'000);  ///< of the machine, with --check; 0: none
+  std::string drill;                      ///< one of kDrills; empty: none
   /// counted from 1 since this start; a shot without flashes delays it to the next; 0: none
   int drill_at_shot = 0;
 };

@@ -1,7 +1,12 @@
 // strobed --check on a bench that runs nothing: every item is there, once, in words.
+#include <pthread.h>
+#include <sched.h>
+
+#include <atomic>
 #include <map>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "firmware/core/rig.hpp"
@@ -9,6 +14,7 @@
 #include "tests/hil/line_changes.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/private_network.hpp"
+#include "tests/support/skip.hpp"
 
 #include "tests/hil/expectations.hpp"
 #include <CppUTest/TestHarness.h>
@@ -60,7 +66,7 @@ strobe::sim::Chip chip_of(const std::filesystem::path& folder, const std::string
 
 std::string checked(const std::filesystem::path& rig, const std::filesystem::path& chip) {
   Command command;
-  command.arguments = {program("strobed"), "--check", "--allow-no-rt", "--config", rig};
+  command.arguments = {program("strobed"), "--check", "--allow-no-rt", "--seconds", "0", "--config", rig};
   command.environment = strobe::hil::environment_of_chip(chip);
   return run_process(command, 20s).out;
 }
@@ -157,7 +163,8 @@ TEST(Check, FindsEveryItemOfABenchThatIsReady) {
                            "pinning",      "latency",        "tick",
                            "governor",     "throttling",     "isolation",
                            "preemption",   "interrupts",     "fixed_interrupts",
-                           "clock_source", "session",        "lcm"})
+                           "clock_source", "kernel",         "session",
+                           "lcm",          "machine"})
     CHECK_TEXT(items.contains(name), name);
 }
 
@@ -197,6 +204,79 @@ TEST(Boards, AreToldApart) {
   const std::string out = checked(share("boards") / "raspberry-pi-5.toml", chip.dir());
   STRCMP_CONTAINS("there is no chip \"pinctrl-rp1\"; there are ", out.c_str());
   STRCMP_CONTAINS("/dev/gpiochip11 (pinctrl-bcm2711)", out.c_str());
+}
+
+// A machine made bad on purpose, in its own time. That a good one is called good is not judged, nor that nobody else is
+// named: how this one is, nobody knows.
+
+namespace {
+
+/// Has a CPU for 5 ms in 100, as long as it is there.
+class Hog {
+ public:
+  /// priority: of SCHED_FIFO.
+  Hog(const char* name, int cpu, int priority) {
+    thread_ = std::thread([=, this] {
+      pthread_setname_np(pthread_self(), name);
+      cpu_set_t set;
+      CPU_ZERO(&set);
+      CPU_SET(static_cast<std::size_t>(cpu), &set);
+      sched_param wanted{};
+      wanted.sched_priority = priority;
+      granted_ = pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0 &&
+                 pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted) == 0;
+      started_ = true;
+      while (!stop_) {
+        const std::int64_t end = monotonic_now_ns() + 5'000'000;
+        while (monotonic_now_ns() < end) {}
+        sleep_for(95ms);
+      }
+    });
+    while (!started_) sleep_for(1ms);
+  }
+  ~Hog() {
+    stop_ = true;
+    thread_.join();
+  }
+  bool granted() const { return granted_; }
+
+ private:
+  std::atomic<bool> started_ = false, granted_ = false, stop_ = false;
+  std::thread thread_;
+};
+
+/// The lines about the machine, of two seconds' trial.
+std::string tried(const std::filesystem::path& rig) {
+  const auto finished =
+      run_process({{program("strobed"), "--check", "--seconds", "2", "--config", rig}, {}, {}, {}}, 30s);
+  CHECK_TEXT(finished.status.has_value(), finished.err.c_str());
+  const std::size_t at = finished.out.find("\nheat ");
+  CHECK_TEXT(at != std::string::npos, (finished.out + finished.err).c_str());
+  return finished.out.substr(at);
+}
+
+}  // namespace
+
+TEST_GROUP(MachineTrial) {
+  TemporaryFolder folder;
+  const std::filesystem::path rig = folder / "rig.toml";
+
+  void setup() override {
+    std::string text = read_text(share("rig.toml"));
+    const std::string any = "cpu = -1";
+    write_text(rig, text.replace(text.find(any), any.size(), "cpu = 0"));
+  }
+};
+
+TEST(MachineTrial, NamesAThreadOfAHigherPriorityAndTheShotsThatItCosts) {
+  const Hog hog("soundserver", 0, 90);
+  if (!hog.granted()) return skip("no real-time priority is granted here");
+  const std::string words = tried(rig);
+  if (words.find("have no names") != std::string::npos) return skip("the kernel lets nobody watch its CPUs");
+  STRCMP_CONTAINS(" shots would be aborted: ", words.substr(words.find("\nmachine ")).c_str());
+  STRCMP_CONTAINS("soundserver (pid ", words.c_str());
+  STRCMP_CONTAINS("its real-time priority, 90, is not below [real_time] priority (80)", words.c_str());
+  STRCMP_CONTAINS("\nchrt -a -f -p 1 ", words.c_str());
 }
 
 TEST_GROUP(Install) {
