@@ -83,11 +83,6 @@ std::string session_fault(const std::filesystem::path& session) {
   return "";
 }
 
-std::set<int> loop_may_run_on(const Rig& rig) {
-  if (rig.real_time.cpu >= 0) return {rig.real_time.cpu};
-  return parse_cpu_list(SystemFiles().read("sys/devices/system/cpu/online").value_or("0"));
-}
-
 Result<CulpritOf> watch_cores(const std::set<int>& cpus, pid_t tid) {
   auto watch = CoreWatch::open(cpus, tid);
   if (!watch) return tl::unexpected(watch.error());
@@ -108,7 +103,7 @@ void report_machine(const Rig& rig, const Options& options, Report& report) {
   if (!clock_is_the_kernels())
     return report.item({"machine", Verdict::advice, "not tried: a simulated rig has a time of its own"});
   exclude_cpu(rig.real_time.cpu);
-  const std::set<int> cpus = loop_may_run_on(rig);
+  const std::set<int> cpus = allowed_cpus(rig.real_time.cpu, SystemFiles());
   const MachineCounters before = read_counters(cpus, SystemFiles());
   const MachineTrial trial = try_machine(rig, cpus, options.trial, watch_cores,
                                          [&](Duration passed) { tell_progress(passed, options.trial); });

@@ -164,16 +164,10 @@ CheckItem tried(const char* name, const std::string& fault, std::string found,
   return {name, Verdict::fault, fault, std::move(paste)};
 }
 
-/// Where the loop may run.
-std::set<int> loop_cpus(const Rig& rig, const SystemFiles& files) {
-  if (rig.real_time.cpu >= 0) return {rig.real_time.cpu};
-  return parse_cpu_list(files.read(kCpuFolder + "online").value_or("0"));
-}
-
 CheckItem pinning(const Rig& rig, const RealTimeRights& trial, const SystemFiles& files) {
   const int cpu = rig.real_time.cpu;
   if (cpu >= 0) return tried("pinning", trial.pinning, "CPU " + std::to_string(cpu));
-  const std::set<int> online = loop_cpus(rig, files);
+  const std::set<int> online = allowed_cpus(rig.real_time.cpu, files);
   if (online.size() < 2) {
     const std::string one = "there is one CPU only";
     if (rig.tolerance.wake_ahead <= rig.tolerance.spin) return ok("pinning", one);
@@ -196,7 +190,7 @@ CheckItem governor(const Rig& rig, const SystemFiles& files) {
   std::set<int> slow;
   bool scaled = false;
   std::string name;
-  for (const int cpu : loop_cpus(rig, files)) {
+  for (const int cpu : allowed_cpus(rig.real_time.cpu, files)) {
     const auto chosen = files.read(kCpuFolder + "cpu" + std::to_string(cpu) + "/cpufreq/scaling_governor");
     if (!chosen) continue;
     scaled = true;

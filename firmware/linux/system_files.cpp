@@ -120,4 +120,9 @@ std::string format_cpu_list(const std::set<int>& cpus) {
   return list;
 }
 
+std::set<int> allowed_cpus(int cpu, const SystemFiles& files) {
+  if (cpu >= 0) return {cpu};
+  return parse_cpu_list(files.read("sys/devices/system/cpu/online").value_or("0"));
+}
+
 }  // namespace strobe::firmware

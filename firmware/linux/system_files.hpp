@@ -37,6 +37,8 @@ inline bool is_number(const std::string& text) {
 
 /// "0-2,5" as {0, 1, 2, 5}, as the kernel writes lists of CPUs; malformed parts are skipped.
 std::set<int> parse_cpu_list(const std::string& list);
+/// Where a thread may run: on that CPU, or for -1 on all that are online.
+std::set<int> allowed_cpus(int cpu, const SystemFiles& files);
 
 /// The reverse: {0, 1, 2, 5} as "0-2,5".
 std::string format_cpu_list(const std::set<int>& cpus);

@@ -196,17 +196,12 @@ std::function<void()> drill(const std::string& name, LoopThread& loop) {
   return [&loop] { loop.hang(); };
 }
 
-std::set<int> cpus_of_loop(const Rig::RealTime& wanted) {
-  if (wanted.cpu >= 0) return {wanted.cpu};
-  return parse_cpu_list(SystemFiles().read("sys/devices/system/cpu/online").value_or("0"));
-}
-
 /// For PublisherSettings::culprit.
 std::function<std::string(MonoTime, MonoTime)> culprits_of(const Rig::RealTime& wanted, pid_t loop,
                                                            Console& console) {
   const auto none = [](MonoTime, MonoTime) { return std::string(); };
   if (!clock_is_the_kernels()) return none;
-  auto opened = CoreWatch::open(cpus_of_loop(wanted), loop);
+  auto opened = CoreWatch::open(allowed_cpus(wanted.cpu, SystemFiles()), loop);
   if (!opened) {
     console.say("late flashes will not name what ran instead: " + opened.error().message);
     return none;
