@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/authentication/key_file.hpp"
+#include "firmware/flash_sequencer/inspect.hpp"
 #include "firmware/linux/guardian.hpp"
 #include "firmware/linux/inspect_lines.hpp"
 #include "firmware/linux/interrupts.hpp"
@@ -119,10 +120,13 @@ int check_rig(const Rig& rig, const Options& given) {
   const Options options = options_of_check(given, rig, geteuid() == 0);
   Report report(options.json);
   report.item({"rig file", Verdict::ok, options.config});
-  for (const CheckItem& item : inspect_lines(rig, SystemFiles())) report.item(item);
+  const bool sequencer = rig.flash_sequencer.fitted();
+  for (const CheckItem& item : sequencer ? inspect_flash_sequencer(rig) : inspect_lines(rig, SystemFiles()))
+    report.item(item);
   const RealTimeRights trial = probe_real_time(rig.real_time);
   for (const CheckItem& item :
-       real_time_report(rig, trial, trial.pinning.empty() ? find_tick(rig.real_time) : Tick{}, SystemFiles()))
+       real_time_report(rig, trial, !sequencer && trial.pinning.empty() ? find_tick(rig.real_time) : Tick{},
+                        SystemFiles()))
     report.item(item, options.allow_no_rt);
   report.item(kernel_item(SystemFiles()));
   const std::string fault = session_fault(options.session);
@@ -137,7 +141,7 @@ int check_rig(const Rig& rig, const Options& given) {
   report.item("lcm", lcm.good() ? ""
                                 : "LCM cannot use \"" + options.lcm_url +
                                       "\": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)");
-  report_machine(rig, options, report);
+  if (!sequencer) report_machine(rig, options, report);
   report.print_lines_to_paste();
   return report.faults() == 0 ? kExitDone : kExitFailed;
 }

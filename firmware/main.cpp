@@ -15,7 +15,6 @@
 #include "common/wire/lcm_url.hpp"
 #include "firmware/check.hpp"
 #include "firmware/core/rig.hpp"
-#include "firmware/linux/gpio_outputs.hpp"
 #include "firmware/worker/alarm.hpp"
 #include "firmware/worker/worker.hpp"
 
@@ -70,9 +69,9 @@ strobe::Result<void> choose_rig_file(Options& options, bool must_be_named) {
 }
 
 int make_safe(const Rig& rig) {
-  auto takeover = OutputTakeover::prepare(rig);
+  const auto takeover = prepare_takeover(rig);
   if (!takeover) return bad_input(takeover.error().message);
-  if (auto safe = takeover->drive_inactive(strobe::milliseconds(1000)); !safe) {
+  if (auto safe = (*takeover)(strobe::milliseconds(1000)); !safe) {
     std::fprintf(stderr, "strobed: the outputs could not all be made inactive: %s\n",
                  safe.error().message.c_str());
     return kExitFailed;
@@ -160,10 +159,20 @@ int run(int argc, char** argv) {
     if (!alarm) alarm.emplace(*rig, options, boot_id);
     alarm->tell(message);
   };
-  return run_guardian(
-      *rig,
-      [&](SharedStatus& page, GpioOutputs& outputs) { return run_worker(*rig, options, page, outputs); },
-      tell);
+  std::unique_ptr<RigDevice> device;
+  const OutputAccess access{[&]() -> strobe::Result<HeldOutputs*> {
+                              auto opened = RigDevice::open(*rig);
+                              if (!opened) return tl::unexpected(opened.error());
+                              device = std::move(*opened);
+                              return device.get();
+                            },
+                            [&](strobe::Duration patience) -> strobe::Result<void> {
+                              const auto takeover = prepare_takeover(*rig);
+                              if (!takeover) return tl::unexpected(takeover.error());
+                              return (*takeover)(patience);
+                            }};
+  const auto work = [&](SharedStatus& page) { return run_worker(*rig, options, page, *device); };
+  return run_guardian(*rig, access, work, tell);
 }
 
 }  // namespace

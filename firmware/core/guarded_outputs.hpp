@@ -8,19 +8,9 @@
 
 #include "firmware/core/rig.hpp"
 #include "firmware/ports/clock.hpp"
-#include "firmware/ports/output_lines.hpp"
+#include "firmware/ports/scheduled_outputs.hpp"
 
 namespace strobe::firmware {
-
-inline constexpr MonoTime kNoDeadline = MonoTime::max();
-
-/// One set-values call: the planned instant and the clock before and after it.
-struct Issue {
-  MonoTime commanded;
-  MonoTime start;
-  MonoTime end;
-  bool done = false;  ///< false: the call failed
-};
 
 class GuardedOutputs {
  public:

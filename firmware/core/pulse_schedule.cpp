@@ -44,12 +44,13 @@ Duration shortest_interval(const ShotPlan& plan) noexcept {
   return shortest;
 }
 
-void add_train(const ShotPlan& plan, const Rig& rig, Duration first, PulseSchedule& schedule) noexcept {
-  for (std::int32_t k = 0; k < schedule.flash_count; ++k) {
+void add_train(const ShotPlan& plan, const Rig& rig, Duration first, std::int32_t flash_count,
+               std::vector<PlannedPulse>& pulses) noexcept {
+  for (std::int32_t k = 0; k < flash_count; ++k) {
     const CodedFlash flash =
         plan.code.empty() ? CodedFlash{plan.period * k, Lamps::both} : plan.code[static_cast<std::size_t>(k)];
-    assert(schedule.pulses.size() < schedule.pulses.capacity());
-    schedule.pulses.push_back({first + flash.offset, Output::strobes, rig.lamps.pulse, k, flash.lamps});
+    assert(pulses.size() < pulses.capacity());
+    pulses.push_back({first + flash.offset, Output::strobes, rig.lamps.pulse, k, flash.lamps});
   }
 }
 
@@ -57,6 +58,7 @@ void add_train(const ShotPlan& plan, const Rig& rig, Duration first, PulseSchedu
 
 void build_schedule(const ShotPlan& plan, const Rig& rig, PulseSchedule& schedule) noexcept {
   schedule.pulses.clear();
+  schedule.burst.clear();
   schedule.gated = plan.train == Train::gated;
   schedule.flash_count = flash_count(plan);
   // A coded train of one flash has none of its own.
@@ -67,7 +69,11 @@ void build_schedule(const ShotPlan& plan, const Rig& rig, PulseSchedule& schedul
   schedule.exposure_end = schedule.exposure_begin + plan.exposure;
   schedule.pulses.push_back({shutter_at, Output::shutter, plan.exposure, -1});
   if (!plan.dry) schedule.pulses.push_back({shutter_at + trigger_at, Output::trigger, rig.machine.pulse, -1});
-  if (!schedule.gated) add_train(plan, rig, schedule.exposure_begin, schedule);
+  if (schedule.gated) {
+    add_train(plan, rig, plan.gate_delay, schedule.flash_count, schedule.burst);
+  } else {
+    add_train(plan, rig, schedule.exposure_begin, schedule.flash_count, schedule.pulses);
+  }
   std::sort(schedule.pulses.begin(), schedule.pulses.end(), [](const PlannedPulse& a, const PlannedPulse& b) {
     return a.at != b.at ? a.at < b.at : index_of(a.output) > index_of(b.output);  // the machine last
   });
@@ -77,7 +83,7 @@ void build_schedule(const ShotPlan& plan, const Rig& rig, PulseSchedule& schedul
 bool add_burst(const ShotPlan& plan, const Rig& rig, Duration first, PulseSchedule& schedule) noexcept {
   if (first + train_length(plan, schedule.flash_count) + rig.lamps.pulse > schedule.exposure_end)
     return false;
-  add_train(plan, rig, first, schedule);
+  add_train(plan, rig, first, schedule.flash_count, schedule.pulses);
   assert(schedule.pulses.back().at <= schedule.exposure_end);
   return true;
 }

@@ -1,34 +1,12 @@
-// From a shot's plan to pulses at instants. Offsets are relative to the shot's start; the first is 0.
+// From a shot's plan to pulses at instants.
 #pragma once
-
-#include <vector>
 
 #include "common/result.hpp"
 #include "common/shot/plan_check.hpp"
 #include "firmware/core/rig.hpp"
-#include "firmware/ports/output_lines.hpp"
+#include "firmware/ports/scheduled_outputs.hpp"
 
 namespace strobe::firmware {
-
-/// One pulse of an output. It ends `width` after it was issued, so that a late one is never cut short.
-struct PlannedPulse {
-  Duration at{};
-  Output output = Output::strobes;
-  Duration width{};
-  std::int32_t flash_index = -1;  ///< strobes only
-  Lamps lamps = Lamps::both;      ///< strobes only
-};
-
-struct PulseSchedule {
-  std::vector<PlannedPulse> pulses;  ///< sorted by `at`; capacity from reserve(), never exceeded
-  Duration exposure_begin{};         ///< the shutter is open from here ...
-  Duration exposure_end{};           ///< ... to here
-  std::int32_t flash_count = 0;      ///< free: in `pulses`; gated: of the burst
-  Duration shortest_interval{};      ///< between two flashes
-  bool gated = false;
-
-  void reserve(std::int32_t max_flashes) { pulses.reserve(static_cast<std::size_t>(max_flashes) + 2); }
-};
 
 /// Any two flashes must be further apart than this, so that a pulse is over before the next one and the loop
 /// reads the e-stop in between.

@@ -21,6 +21,9 @@ constexpr double kNsPerS = 1e9;
 
 Duration rounded(double value, double ns_per_unit) { return nanoseconds(std::llround(value * ns_per_unit)); }
 
+/// Two edges each in a track of 2048.
+constexpr std::int32_t kMaxFlashesOfSequencer = 1024;
+
 std::string shortest(double value) {
   std::array<char, 32> text{};
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
@@ -97,6 +100,48 @@ void read_lines(TomlTable lines, Rig& rig) {
   }
 }
 
+void read_chip(TomlTable root, Rig& rig) {
+  TomlTable chip = root.table("chip");
+  rig.chip = chip.string("name");
+  rig.chip_file_line = chip.line_of("name");
+}
+
+/// Flash sensors that a chip has besides.
+void read_witnessed_lines(TomlTable root, Rig& rig) {
+  if (!root.has("chip") && !root.has("lines")) return;
+  read_chip(root, rig);
+  TomlTable lines = root.table("lines");
+  for (const std::string& key : lines.keys())
+    if (key != "sensor_a" && key != "sensor_b")
+      lines.error_at(key, "is on the flash sequencer: a chip may have sensor_a and sensor_b besides");
+  for (const Line sensor : {Line::sensor_a, Line::sensor_b}) read_line(lines, sensor, false, rig);
+}
+
+/// Its lines are where its pins are; of the inputs some may not be wired.
+void read_flash_sequencer(TomlTable root, Rig& rig) {
+  TomlTable table = root.table("sequencer");
+  rig.flash_sequencer = {table.string("port"), table.line_of("port")};
+  read_witnessed_lines(root, rig);
+  for (LineConfig& line : rig.lines) line.fitted = false;
+  if (table.is_string("port") && !rig.flash_sequencer.port.starts_with("/"))
+    table.error_at("port", "must be the path of a serial line, such as /dev/serial/by-id/...");
+  for (const Line always :
+       {Line::strobe_a, Line::strobe_b, Line::shutter, Line::trigger, Line::key, Line::estop})
+    rig.line(always).fitted = true;
+  for (const std::string& name : table.strings_or("inputs", {"sensor_a", "sensor_b", "gate"})) {
+    const std::array optional{Line::sensor_a, Line::sensor_b, Line::gate, Line::xsync};
+    const auto found =
+        std::find_if(optional.begin(), optional.end(), [&name](Line line) { return name == line_key(line); });
+    if (found == optional.end()) {
+      table.error_at("inputs", "must be a list of sensor_a, sensor_b, gate and xsync");
+    } else {
+      rig.line(*found).fitted = true;
+    }
+  }
+  if (!rig.line(Line::sensor_a).fitted && !rig.line(Line::sensor_b).fitted)
+    table.error_at("inputs", "must have sensor_a or sensor_b");
+}
+
 void read_lamps(TomlTable table, Rig& rig) {
   auto& lamps = rig.lamps;
   lamps.max_on = rounded(table.number("max_on_us", {1, 10'000}), kNsPerUs);
@@ -109,6 +154,8 @@ void read_lamps(TomlTable table, Rig& rig) {
   if (lamps.max_on >= lamps.min_period)
     table.error_at("max_on_us", "must be shorter than lamps.min_period_us");
   lamps.max_flashes = static_cast<std::int32_t>(table.integer("max_flashes_per_shot", {1, kMaxFlashes}));
+  if (rig.flash_sequencer.fitted() && lamps.max_flashes > kMaxFlashesOfSequencer)
+    table.error_at("max_flashes_per_shot", "must be at most 1024: a flash sequencer has no room for more");
 }
 
 void read_sensors(TomlTable table, Rig& rig) {
@@ -193,6 +240,12 @@ std::string read_lcm_url(TomlTable root) {
 
 }  // namespace
 
+Rig witnessed_lines(const Rig& rig) {
+  Rig witnessed = rig;
+  for (LineConfig& line : witnessed.lines) line.fitted = line.offset >= 0 || !line.name.empty();
+  return witnessed;
+}
+
 const char* line_key(Line line) {
   constexpr std::array<const char*, kLineCount> kKeys{"none",    "strobe_a", "strobe_b", "shutter",
                                                       "trigger", "sensor_a", "sensor_b", "gate",
@@ -210,10 +263,12 @@ Result<Rig> read_rig(std::string_view text, const std::string& file_name) {
     root.error_at("rig", "must be 1 to 24 characters of [A-Za-z0-9_-]");
   if (root.has("lcm_url")) rig.lcm_url = read_lcm_url(root);
   rig.key_file = root.table("commands").string_or("key_file", "");
-  TomlTable chip = root.table("chip");
-  rig.chip = chip.string("name");
-  rig.chip_file_line = chip.line_of("name");
-  read_lines(root.table("lines"), rig);
+  if (root.has("sequencer")) {
+    read_flash_sequencer(root, rig);
+  } else {
+    read_chip(root, rig);
+    read_lines(root.table("lines"), rig);
+  }
   read_lamps(root.table("lamps"), rig);
   read_sensors(root.table("sensors"), rig);
   TomlTable machine = root.table("machine");

@@ -63,6 +63,14 @@ struct Rig {
   std::uint32_t chip_file_line = 0;
   std::array<LineConfig, kLineCount> lines;  ///< indexed by Line
 
+  /// All lines are on it, where its pins are (firmware/sequencer/README.md). A chip may have the flash
+  /// sensors besides, so that the kernel stamps their edges, too.
+  struct FlashSequencer {
+    std::string port;  ///< of its serial line; empty: there is none
+    std::uint32_t port_file_line = 0;
+    bool fitted() const { return !port.empty(); }
+  } flash_sequencer;
+
   struct Lamps {
     Duration pulse = microseconds(50);
     double delay_a_us = 12.0;  ///< mean, from the trigger pulse to the flash
@@ -102,6 +110,9 @@ struct Rig {
   const LineConfig& line(Line which) const { return lines[static_cast<std::size_t>(which)]; }
   LineConfig& line(Line which) { return lines[static_cast<std::size_t>(which)]; }
 };
+
+/// Of a rig with a flash sequencer: with the lines alone that a chip has besides.
+Rig witnessed_lines(const Rig& rig);
 
 /// The key of a line in [lines], e.g. "strobe_a".
 const char* line_key(Line line);

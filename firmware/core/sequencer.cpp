@@ -12,7 +12,7 @@ Sequencer::Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_
       sink_(ports.sink),
       commands_(ports.commands),
       interlock_(rig.arming_expires, last_shot_id),
-      outputs_(rig_, ports.clock, ports.outputs),
+      outputs_(ports.outputs),
       player_(rig_, ports.clock, ports.edges, ports.sink, interlock_, outputs_, tick),
       awake_(rig.tolerance),
       woken_(ports.clock.now()),
@@ -34,7 +34,7 @@ void Sequencer::refuse(const Command& command, std::string_view why) noexcept {
 }
 
 bool Sequencer::start(const ShortText& detail) noexcept {
-  const bool safe = outputs_.all_off();
+  const bool safe = outputs_.cut();
   report(EventKind::started, detail);
   start_interlock();
   read_levels();
@@ -68,7 +68,7 @@ void Sequencer::fault(const char* why) noexcept {
 void Sequencer::lines_fail(const char* why) noexcept {
   fault(why);
   // Tells whether the chip is there at all: outputs that cannot be set are the guardian's.
-  outputs_.all_off();
+  outputs_.cut();
 }
 
 void Sequencer::level(Input input, bool active, MonoTime stamp) noexcept {
@@ -221,7 +221,7 @@ std::optional<std::size_t> Sequencer::wait(MonoTime latest) noexcept {
 
 /// What this clock does not show, or shows too late. turned: when the turn before came this far.
 void Sequencer::check_time(MonoTime turned) noexcept {
-  if (const Duration suspended = clock_.suspended(); suspended - suspended_ > ShotPlayer::kAsleep) {
+  if (const Duration suspended = clock_.suspended(); suspended - suspended_ > TimedOutputs::kAsleep) {
     suspended_ = suspended;
     const Interlock::Effect effect = interlock_.suspended(clock_.now());
     apply(effect);
@@ -250,10 +250,10 @@ bool Sequencer::step(MonoTime latest) noexcept {
   if (clock_.now() - levels_read_ >= kLongestSleep) read_levels();
   apply(interlock_.tick(clock_.now()));
   player_.run_due();
-  if (outputs_.take_failure()) fault("an output line could not be set");
+  if (const char* failure = outputs_.take_failure()) fault(failure);
   report_status();
   assert((interlock_.state() == State::firing) == player_.busy());
-  assert(player_.busy() || !outputs_.any_active());
+  assert(player_.busy() || !outputs_.any_active() || outputs_.broken());
   assert(player_.busy() || !interlock_.trigger_pending());
   assert(interlock_.state() != State::armed || may_be_armed(interlock_));
   return !outputs_.broken();
@@ -261,12 +261,12 @@ bool Sequencer::step(MonoTime latest) noexcept {
 
 bool Sequencer::stop(const ShortText& why) noexcept {
   player_.abort(why);
-  const bool safe = outputs_.all_off();
+  const bool cut = outputs_.cut();
   for (int turn = 0; turn < 1000 && player_.busy(); ++turn) {
     edges_.wait(std::min(player_.next_due(), clock_.now() + milliseconds(1)), edge_buffer_);
     player_.run_due();
   }
-  assert(!safe || !outputs_.any_active());
+  const bool safe = cut && !outputs_.broken() && !outputs_.any_active();
   report(EventKind::stopped, why);
   report_status();
   sink_.flush();

@@ -8,12 +8,13 @@
 
 #include "firmware/core/cpu_budget.hpp"
 #include "firmware/core/shot_player.hpp"
+#include "firmware/core/timed_outputs.hpp"
 
 namespace strobe::firmware {
 
 struct Ports {
   Clock& clock;
-  OutputLines& outputs;
+  ScheduledOutputs& outputs;
   EdgeSource& edges;
   EventSink& sink;
   CommandSource& commands;
@@ -73,7 +74,7 @@ class Sequencer {
   EventSink& sink_;
   CommandSource& commands_;
   Interlock interlock_;
-  GuardedOutputs outputs_;
+  ScheduledOutputs& outputs_;
   ShotPlayer player_;
   CpuBudget awake_;
   MonoTime woken_;

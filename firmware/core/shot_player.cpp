@@ -14,7 +14,7 @@ Line line_of(Lamps lamps) {
 }  // namespace
 
 ShotPlayer::ShotPlayer(const Rig& rig, Clock& clock, EdgeSource& edges, EventSink& sink, Interlock& interlock,
-                       GuardedOutputs& outputs, const Tick& tick)
+                       ScheduledOutputs& outputs, const Tick& tick)
     : rig_(rig),
       clock_(clock),
       edges_(edges),
@@ -61,43 +61,38 @@ void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& re
   record.command_id = fire.command_id;
   record.plan = fire.plan;
   if (record.plan.impact_at == Duration{}) record.plan.impact_at = rig_.plan.impact_at;
-  record.start = now + kLead;
   record.shutter_on = record.shutter_off = record.shutter_open = record.shutter_close = kNoTime;
   record.trigger = record.gate = kNoTime;
   record.abort_reason = ShortText();
-  suspended_before_ = clock_.suspended();
   overflows_before_ = sink_.overflows();
   kernel_overflows_before_ = edges_.kernel_overflows();
   build_schedule(record.plan, rig_, schedule_);
   assert(interlock_.trigger_pending() == !record.plan.dry);
+  record.start = now + lead();
   record.start = record.start + tick_avoidance_.delay(record.start, schedule_);
   edge_assignment_.open(record, schedule_.shortest_interval);
   for (const PlannedPulse& pulse : schedule_.pulses) {
     if (pulse.output == Output::strobes) edge_assignment_.plan(at(pulse.at), pulse.lamps);
   }
-  next_pulse_ = 0;
   gate_counts_from_ = kNoTime;
   shutter_seen_open_ = shutter_seen_closed_ = false;
   phase_ = Phase::playing;
   report(EventKind::shot_started, now, record.plan.dry ? "dry" : "");
+  outputs_.begin(schedule_, record.start, *this);
 }
 
-MonoTime ShotPlayer::next_issue() const noexcept {
-  MonoTime next = outputs_.next_off();
-  if (next_pulse_ < schedule_.pulses.size()) next = std::min(next, at(schedule_.pulses[next_pulse_].at));
-  return next;
-}
+Duration ShotPlayer::lead() const noexcept { return std::max(kLead, outputs_.lead(schedule_)); }
 
 MonoTime ShotPlayer::next_due() const noexcept {
   switch (phase_) {
     case Phase::idle:
       return kNoDeadline;
     case Phase::playing: {
-      const MonoTime issue = next_issue();
+      const MonoTime issue = outputs_.next_due();
       return issue == kNoDeadline || awaits_gate() ? std::min(issue, at(schedule_.exposure_end)) : issue;
     }
     case Phase::closing:
-      return closes_at_;
+      return outputs_.any_active() ? std::max(closes_at_, outputs_.next_due()) : closes_at_;
     case Phase::handing_over:
       return clock_.now() + milliseconds(1);
   }
@@ -105,52 +100,14 @@ MonoTime ShotPlayer::next_due() const noexcept {
 }
 
 void ShotPlayer::run_due() noexcept {
-  while (phase_ == Phase::playing) {
-    const MonoTime due = next_issue();
-    if (due == kNoDeadline || due > clock_.now() + rig_.tolerance.spin) break;
-    issue_next(due, clock_.spin_until(due));
-  }
+  if (phase_ == Phase::playing || phase_ == Phase::closing) outputs_.run(*this);
   end_if_over();
-}
-
-void ShotPlayer::issue_next(MonoTime due, MonoTime now) noexcept {
-  assert(now >= due && next_pulse_ <= schedule_.pulses.size());
-  if (outputs_.next_off() <= due) {
-    switch_off(outputs_.next_off_output(), now);
-  } else {
-    issue(schedule_.pulses[next_pulse_++], now);
-  }
-}
-
-void ShotPlayer::issue(const PlannedPulse& pulse, MonoTime now) noexcept {
-  // After hours of sleep nothing is late by this clock.
-  if (clock_.suspended() - suspended_before_ > kAsleep) return abort("the rig's computer was suspended");
-  const Duration lateness = now - at(pulse.at);
-  if (lateness > rig_.tolerance.abort_late) {
-    ShortText why(pulse.output == Output::strobes   ? "flash "
-                  : pulse.output == Output::trigger ? "trigger"
-                                                    : "shutter");
-    if (pulse.output == Output::strobes) why.append(pulse.flash_index);
-    abort(why.append(" would have been ").append(lateness / microseconds(1)).append(" us late"),
-          at(pulse.at));
-    return;
-  }
-  switch (pulse.output) {
-    case Output::strobes:
-      flash(pulse, now);
-      break;
-    case Output::trigger:
-      trigger(pulse);
-      break;
-    case Output::shutter:
-      shutter(pulse, now);
-      break;
-  }
 }
 
 Duration ShotPlayer::recharge_left(const ShotPlan& plan) noexcept {
   assert(!busy());
-  const MonoTime start = clock_.now() + kLead;
+  build_schedule(plan, rig_, schedule_);
+  const MonoTime start = clock_.now() + lead();
   const auto left = [&](Duration at, Lamps lamps) {
     Duration longest{};
     for (std::size_t lamp = 0; lamp < last_flash_.size(); ++lamp) {
@@ -159,7 +116,6 @@ Duration ShotPlayer::recharge_left(const ShotPlan& plan) noexcept {
     }
     return longest;
   };
-  build_schedule(plan, rig_, schedule_);
   if (schedule_.gated) return left(schedule_.exposure_begin, Lamps::both);
   Duration longest{};
   for (const PlannedPulse& pulse : schedule_.pulses) {
@@ -186,45 +142,57 @@ bool ShotPlayer::lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexce
   return true;
 }
 
-void ShotPlayer::flash(const PlannedPulse& pulse, MonoTime now) noexcept {
-  assert(pulse.flash_index >= 0 && pulse.flash_index < schedule_.flash_count);
-  if (!lamps_recharged(pulse, now)) return;
-  const Issue issue = outputs_.activate(Output::strobes, at(pulse.at), pulse.width, now, pulse.lamps);
-  // Wherever in the call the line changed, the lamp has not flashed after it.
-  if (has_a(pulse.lamps)) last_flash_[0] = issue.end;
-  if (has_b(pulse.lamps)) last_flash_[1] = issue.end;
-  edge_assignment_.issued(pulse.flash_index, issue.start, issue.end);
-  report(EventKind::flash, line_of(pulse.lamps), 1, issue, pulse.flash_index);
-  if (!issue.done) abort("the lamps' lines could not be set");
+bool ShotPlayer::allows(const PlannedPulse& pulse, MonoTime now) noexcept {
+  if (phase_ != Phase::playing) return false;
+  if (pulse.output == Output::strobes) return lamps_recharged(pulse, now);
+  if (pulse.output != Output::trigger) return true;
+  const char* why = trigger_withheld();
+  if (why != nullptr) abort(why);
+  return why == nullptr;
 }
 
-void ShotPlayer::trigger(const PlannedPulse& pulse) noexcept {
+/// Null: the trigger may be pulled, once.
+const char* ShotPlayer::trigger_withheld() noexcept {
   const auto key = edges_.level(Input::key);
   const auto estop = edges_.level(Input::estop);
-  if (!key || !estop) return abort("key or e-stop could not be read before the trigger");
-  if (!*key) return abort("the key is off");
-  if (*estop) return abort("the e-stop is pressed");
-  if (!interlock_.release_trigger(record_->shot_id)) return abort("the interlock withheld the trigger");
+  if (!key || !estop) return "key or e-stop could not be read before the trigger";
+  if (!*key) return "the key is off";
+  if (*estop) return "the e-stop is pressed";
+  if (!interlock_.release_trigger(record_->shot_id)) return "the interlock withheld the trigger";
   assert(!record_->plan.dry && !known(record_->trigger) && !interlock_.trigger_pending());
-  const Issue issue = outputs_.activate(Output::trigger, at(pulse.at), pulse.width, clock_.now());
-  record_->trigger = issue.end;
-  gate_counts_from_ = issue.end;
-  report(EventKind::trigger, Line::trigger, 1, issue);
-  if (!issue.done) abort("the trigger's line could not be set");
+  return nullptr;
 }
 
-void ShotPlayer::shutter(const PlannedPulse& pulse, MonoTime now) noexcept {
-  assert(!known(record_->shutter_on));
-  const Issue issue = outputs_.activate(Output::shutter, at(pulse.at), pulse.width, now);
-  record_->shutter_on = issue.end;
-  record_->shutter_open = issue.end + rig_.shutter.lag;
-  if (record_->plan.dry) gate_counts_from_ = issue.end;  // a hand in the gate stands in for the ball
-  report(EventKind::shutter, Line::shutter, 1, issue);
-  if (!issue.done) abort("the shutter's line could not be set");
+void ShotPlayer::switched_on(const PlannedPulse& pulse, const Issue& issue) noexcept {
+  switch (pulse.output) {
+    case Output::strobes:
+      assert(pulse.flash_index >= 0 && pulse.flash_index < schedule_.flash_count);
+      // Wherever in the call the line changed, the lamp has not flashed after it.
+      if (has_a(pulse.lamps)) last_flash_[0] = issue.end;
+      if (has_b(pulse.lamps)) last_flash_[1] = issue.end;
+      edge_assignment_.issued(pulse.flash_index, issue.start, issue.end);
+      report(EventKind::flash, line_of(pulse.lamps), 1, issue, pulse.flash_index);
+      break;
+    case Output::trigger:
+      record_->trigger = issue.end;
+      gate_counts_from_ = issue.end;
+      report(EventKind::trigger, Line::trigger, 1, issue);
+      break;
+    case Output::shutter:
+      assert(!known(record_->shutter_on));
+      record_->shutter_on = issue.end;
+      record_->shutter_open = issue.end + rig_.shutter.lag;
+      if (record_->plan.dry) gate_counts_from_ = issue.end;  // a hand in the gate stands in for the ball
+      report(EventKind::shutter, Line::shutter, 1, issue);
+      break;
+  }
+  if (issue.done) return;
+  abort(pulse.output == Output::strobes   ? "the lamps' lines could not be set"
+        : pulse.output == Output::trigger ? "the trigger's line could not be set"
+                                          : "the shutter's line could not be set");
 }
 
-void ShotPlayer::switch_off(Output output, MonoTime now) noexcept {
-  const Issue issue = outputs_.deactivate(output, now);
+void ShotPlayer::switched_off(Output output, const Issue& issue, Duration on_time) noexcept {
   if (output == Output::shutter) {
     record_->shutter_off = issue.end;
     record_->shutter_close = issue.end + rig_.shutter.lag;
@@ -233,8 +201,10 @@ void ShotPlayer::switch_off(Output output, MonoTime now) noexcept {
     report(EventKind::trigger, Line::trigger, 0, issue);
   }
   if (!issue.done) return abort("an output could not be switched off");
-  const Duration on_time = outputs_.last_on_time(output);
-  if (on_time <= outputs_.max_on_time(output) + rig_.tolerance.late) return;
+  const Duration longest = output == Output::strobes   ? rig_.lamps.max_on
+                           : output == Output::trigger ? rig_.machine.max_on
+                                                       : rig_.shutter.max_open;
+  if (on_time <= longest + rig_.tolerance.late) return;
   ShortText why(output == Output::strobes   ? "the lamps' lines were"
                 : output == Output::trigger ? "the trigger was"
                                             : "the shutter was");
@@ -242,6 +212,7 @@ void ShotPlayer::switch_off(Output output, MonoTime now) noexcept {
 }
 
 void ShotPlayer::edge(const Edge& edge) noexcept {
+  if (busy()) outputs_.tell(*this);  // a gate's edge counts after the trigger
   if (busy() && edge.input == Input::xsync) return xsync(edge);
   if (!busy() || !edge.active) return;
   Event event;
@@ -295,7 +266,7 @@ ShutterFeedback ShotPlayer::shutter_feedback() const noexcept {
 }
 
 void ShotPlayer::close() noexcept {
-  assert(phase_ == Phase::playing && (outputs_.broken() || !outputs_.any_active()));
+  assert(phase_ == Phase::playing);
   phase_ = Phase::closing;
   closes_at_ = clock_.now() + kEdgeTimeout;
   if (rig_.line(Line::xsync).fitted && shutter_seen_open_ && !shutter_seen_closed_)
@@ -313,10 +284,10 @@ void ShotPlayer::gate(MonoTime stamp) noexcept {
   if (!add_burst(record_->plan, rig_, first, schedule_)) {
     return abort("the gate was interrupted too late for the burst to end within the exposure");
   }
-  for (std::size_t k = next_pulse_; k < schedule_.pulses.size(); ++k) {
-    if (schedule_.pulses[k].output == Output::strobes)
-      edge_assignment_.plan(at(schedule_.pulses[k].at), schedule_.pulses[k].lamps);
-  }
+  const std::size_t first_flash = schedule_.pulses.size() - schedule_.burst.size();
+  for (std::size_t k = first_flash; k < schedule_.pulses.size(); ++k)
+    edge_assignment_.plan(at(schedule_.pulses[k].at), schedule_.pulses[k].lamps);
+  outputs_.add(first_flash);
 }
 
 void ShotPlayer::stop(const ShortText& why) noexcept {
@@ -333,8 +304,8 @@ void ShotPlayer::abort(const ShortText& why, MonoTime late_for) noexcept {
 
 void ShotPlayer::cut_short(const ShortText& why, MonoTime late_for) noexcept {
   assert(phase_ == Phase::playing && record_->abort_reason.empty());
-  const bool shutter_was_open = outputs_.active(Output::shutter);
-  outputs_.all_off();  // a failure is the sequencer's to act on
+  const bool shutter_was_open = outputs_.active(Output::shutter) && known(record_->shutter_on);
+  outputs_.cut();  // a failure is the sequencer's to act on
   if (shutter_was_open) {
     record_->shutter_off = clock_.now();
     record_->shutter_close = record_->shutter_off + rig_.shutter.lag;
@@ -348,12 +319,13 @@ void ShotPlayer::end_if_over() noexcept {
   if (phase_ == Phase::playing && clock_.now() >= at(schedule_.exposure_end)) {
     if (awaits_gate()) {
       abort("gate never seen");
-    } else if (next_pulse_ == schedule_.pulses.size() && !outputs_.any_active()) {
+    } else if (outputs_.all_issued() && !outputs_.any_active()) {
       close();
     }
   }
-  if (phase_ == Phase::closing && clock_.now() >= closes_at_) {
-    if (record_->abort_reason.empty()) report(EventKind::shot_ended, clock_.now(), "");
+  const bool inactive = outputs_.broken() || !outputs_.any_active();
+  if (phase_ == Phase::closing && inactive && clock_.now() >= closes_at_) {
+    if (record_->abort_reason.empty()) report(EventKind::shot_ended, clock_.now(), outputs_.clock_words());
     record_->shutter_feedback = shutter_feedback();
     record_->queue_overflows = sink_.overflows() - overflows_before_;
     record_->kernel_overflows = edges_.kernel_overflows() - kernel_overflows_before_;

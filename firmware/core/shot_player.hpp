@@ -1,29 +1,27 @@
-// Plays one shot on the ports: pulses at their instants, edges assigned to flashes, the gate's burst, the
-// abort. A pulse that would be later than the limit is not issued: the shot is aborted, there is no catching
-// up. Real-time safe; one thread's. Driven by Sequencer.
+// Plays one shot on the ports: has the outputs issue its pulses, assigns edges to flashes, adds the gate's
+// burst, aborts. Real-time safe; one thread's. Driven by Sequencer.
 #pragma once
 
 #include "firmware/core/edge_assignment.hpp"
-#include "firmware/core/guarded_outputs.hpp"
 #include "firmware/core/interlock.hpp"
 #include "firmware/core/pulse_schedule.hpp"
 #include "firmware/core/tick.hpp"
+#include "firmware/ports/clock.hpp"
 #include "firmware/ports/command_source.hpp"
 #include "firmware/ports/edge_source.hpp"
+#include "firmware/ports/scheduled_outputs.hpp"
 
 namespace strobe::firmware {
 
-class ShotPlayer {
+class ShotPlayer final : private ScheduledOutputs::Listener {
  public:
-  /// From FIRE to the schedule's first instant: time for the event to be journalled.
+  /// From FIRE to the schedule's first instant, at least: time for the event to be journalled.
   static constexpr Duration kLead = milliseconds(20);
   /// How long to wait for the sensors' last edges after the schedule's end.
   static constexpr Duration kEdgeTimeout = milliseconds(2);
-  /// Machines that suspend do so for longer.
-  static constexpr Duration kAsleep = milliseconds(1);
 
   ShotPlayer(const Rig& rig, Clock& clock, EdgeSource& edges, EventSink& sink, Interlock& interlock,
-             GuardedOutputs& outputs, const Tick& tick);
+             ScheduledOutputs& outputs, const Tick& tick);
 
   /// Requires: the interlock has granted the shot, and its plan has been checked.
   void begin(const Command& fire, std::int32_t shot_id, ShotRecord& record) noexcept;
@@ -46,13 +44,12 @@ class ShotPlayer {
   enum class Phase { idle, playing, closing, handing_over };
 
   MonoTime at(Duration offset) const noexcept { return record_->start + offset; }
-  MonoTime next_issue() const noexcept;
-  void issue_next(MonoTime due, MonoTime now) noexcept;
-  void issue(const PlannedPulse& pulse, MonoTime now) noexcept;
-  void flash(const PlannedPulse& pulse, MonoTime now) noexcept;
-  void trigger(const PlannedPulse& pulse) noexcept;
-  void shutter(const PlannedPulse& pulse, MonoTime now) noexcept;
-  void switch_off(Output output, MonoTime now) noexcept;
+  bool allows(const PlannedPulse& pulse, MonoTime now) noexcept override;
+  void switched_on(const PlannedPulse& pulse, const Issue& issue) noexcept override;
+  void switched_off(Output output, const Issue& issue, Duration on_time) noexcept override;
+  void failed(const ShortText& why, MonoTime late_for) noexcept override { abort(why, late_for); }
+  const char* trigger_withheld() noexcept;
+  Duration lead() const noexcept;
   void gate(MonoTime stamp) noexcept;
   void xsync(const Edge& edge) noexcept;
   void cut_short(const ShortText& why, MonoTime late_for) noexcept;
@@ -70,11 +67,10 @@ class ShotPlayer {
   EdgeSource& edges_;
   EventSink& sink_;
   Interlock& interlock_;
-  GuardedOutputs& outputs_;
+  ScheduledOutputs& outputs_;
   TickAvoidance tick_avoidance_;
   EdgeAssignment edge_assignment_;
   PulseSchedule schedule_;
-  std::size_t next_pulse_ = 0;
   Phase phase_ = Phase::idle;
   ShotRecord* record_ = nullptr;
   MonoTime closes_at_;
@@ -84,7 +80,6 @@ class ShotPlayer {
   bool shutter_seen_open_ = false;
   bool shutter_seen_closed_ = false;
   MonoTime gate_counts_from_ = kNoTime;  ///< kNoTime: not triggered yet
-  Duration suspended_before_{};
   std::int64_t overflows_before_ = 0;
   std::int64_t kernel_overflows_before_ = 0;
 };

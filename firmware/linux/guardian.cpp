@@ -46,9 +46,9 @@ constexpr Duration kGrace = milliseconds(1000);
 constexpr Duration kWordsEvery =
     milliseconds(10'000);  // the service manager hears when a host was last heard
 
-GpioOutputs* outputs_at_fault = nullptr;
+HeldOutputs* outputs_at_fault = nullptr;
 
-[[noreturn]] void become_worker(const Work& work, SharedStatus& page, GpioOutputs& outputs) {
+[[noreturn]] void become_worker(const Work& work, SharedStatus& page, HeldOutputs& outputs) {
   outputs_at_fault = &outputs;
   set_worker_signal_policy([] { outputs_at_fault->make_inactive(); });
   setsid();  // no signal to a terminal's or a shell's group reaches both
@@ -56,18 +56,20 @@ GpioOutputs* outputs_at_fault = nullptr;
   if (getppid() != page.guardian_pid) _exit(kExitFailed);
   // A core dump of locked memory would take seconds, with the outputs as they are.
   prctl(PR_SET_DUMPABLE, 0);
-  const int status = work(page, outputs);
+  const int status = work(page);
   std::fflush(nullptr);
   _exit(status);
 }
 
 class Guardian {
  public:
-  Guardian(const Rig& rig, pid_t worker, SharedStatus& page, GpioOutputs& outputs, const TellDanger& tell)
+  Guardian(const Rig& rig, pid_t worker, SharedStatus& page, HeldOutputs& outputs, const OutputAccess& access,
+           const TellDanger& tell)
       : rig_(rig),
         worker_(worker),
         page_(page),
         outputs_(outputs),
+        access_(access),
         tell_(tell),
         service_(ServiceNotify::from_environment()),
         watchdog_(Watchdog::publisher_timeout_for(service_.watchdog())) {}
@@ -237,15 +239,13 @@ class Guardian {
   /// By the lines that the guardian holds; where they are dead, as of a chip that was plugged in again, by
   /// new ones.
   void make_safe() {
-    if (set_inactive()) {
+    if (set_inactive() && outputs_.confirms()) {
       safe_.emplace();
       return;
     }
     const std::unique_lock lock(setting_, kSettingPatience);
     outputs_.release();
-    auto takeover = OutputTakeover::prepare(rig_);
-    safe_.emplace(takeover ? takeover->drive_inactive(kPatience)
-                           : Result<void>(tl::unexpected(takeover.error())));
+    safe_.emplace(access_.make_inactive(kPatience));
   }
 
   /// The workstations hear it, several times as some may get lost. By a process of its own, without the
@@ -294,7 +294,8 @@ class Guardian {
   const Rig& rig_;
   pid_t worker_;
   SharedStatus& page_;
-  GpioOutputs& outputs_;
+  HeldOutputs& outputs_;
+  const OutputAccess& access_;
   const TellDanger& tell_;
   Console console_;  // before real-time priority, which its thread is not to have
   SystemClock clock_;
@@ -317,7 +318,7 @@ class Guardian {
 
 }  // namespace
 
-int run_guardian(const Rig& rig, const Work& work, const TellDanger& tell) {
+int run_guardian(const Rig& rig, const OutputAccess& access, const Work& work, const TellDanger& tell) {
   void* memory =
       mmap(nullptr, sizeof(SharedStatus), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) {
@@ -327,7 +328,7 @@ int run_guardian(const Rig& rig, const Work& work, const TellDanger& tell) {
   auto* page = new (memory) SharedStatus;
   page->event_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   set_signal_policy();
-  auto outputs = GpioOutputs::open(rig);
+  const auto outputs = access.hold();
   if (!outputs) {
     std::fprintf(stderr, "strobed: %s\n", outputs.error().message.c_str());
     return kExitBadInput;
@@ -340,8 +341,8 @@ int run_guardian(const Rig& rig, const Work& work, const TellDanger& tell) {
     std::fprintf(stderr, "strobed: fork: %s\n", std::strerror(errno));
     return kExitFailed;
   }
-  if (worker == 0) become_worker(work, *page, *outputs);
-  return Guardian(rig, worker, *page, *outputs, tell).run();
+  if (worker == 0) become_worker(work, *page, **outputs);
+  return Guardian(rig, worker, *page, **outputs, access, tell).run();
 }
 
 }  // namespace strobe::firmware

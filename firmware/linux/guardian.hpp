@@ -18,7 +18,7 @@
 #include <string>
 
 #include "firmware/core/rig.hpp"
-#include "firmware/linux/gpio_outputs.hpp"
+#include "firmware/linux/held_outputs.hpp"
 #include "firmware/linux/shared_status.hpp"
 
 namespace strobe::firmware {
@@ -35,13 +35,14 @@ inline constexpr Duration kGuardianTimeout = milliseconds(5'000);
 /// Nobody is told if fork() fails.
 using TellDanger = std::function<void(std::int64_t boot_id, const std::string& message)>;
 
-/// What the worker does with the page and the outputs, which it shares with the guardian; its exit status.
-using Work = std::function<int(SharedStatus&, GpioOutputs&)>;
+/// What the worker does with the page, which it shares with the guardian, as it does the outputs; its exit
+/// status.
+using Work = std::function<int(SharedStatus&)>;
 
 /// Runs `work` in a child process of a session of its own, which gets SIGTERM if the guardian dies. Its
 /// worker_stop_signals() are blocked: it waits for them. Returns strobed's exit status: 0 after an orderly
 /// stop, 2 if the outputs could not be taken, which is told on stderr, or the worker gave up before its loop
 /// began, else 1. Requires: one thread, and no open descriptors.
-int run_guardian(const Rig& rig, const Work& work, const TellDanger& tell);
+int run_guardian(const Rig& rig, const OutputAccess& access, const Work& work, const TellDanger& tell);
 
 }  // namespace strobe::firmware

@@ -16,8 +16,6 @@
 #include "firmware/linux/console.hpp"
 #include "firmware/linux/core_watch.hpp"
 #include "firmware/linux/event_fd.hpp"
-#include "firmware/linux/gpio_inputs.hpp"
-#include "firmware/linux/gpio_outputs.hpp"
 #include "firmware/linux/real_time.hpp"
 #include "firmware/linux/signals.hpp"
 #include "firmware/linux/sleep_inhibitor.hpp"
@@ -50,24 +48,6 @@ void wait_for_stop_signal() {
   sigwait(&set, &signal);
 }
 
-/// Tells the guardian before an output can become active, in whichever turn that is.
-class ToldOutputs final : public OutputLines {
- public:
-  ToldOutputs(GpioOutputs& outputs, SharedStatus& page) : outputs_(outputs), page_(page) {}
-  bool set(Output output, bool active) noexcept override {
-    if (active) page_.shot_under_way = true;
-    return outputs_.set(output, active);
-  }
-  bool set_lamps(Lamps lamps) noexcept override {
-    page_.shot_under_way = true;
-    return outputs_.set_lamps(lamps);
-  }
-
- private:
-  GpioOutputs& outputs_;
-  SharedStatus& page_;
-};
-
 /// Wakes the loop when the guardian dies. For good: it waits as long as the process lasts.
 void watch_guardian(SharedStatus& page, std::shared_ptr<EventFd> wake, int priority) {
   std::thread([&page, wake = std::move(wake), priority] {
@@ -83,7 +63,7 @@ void watch_guardian(SharedStatus& page, std::shared_ptr<EventFd> wake, int prior
 /// keep the outputs safe: then the process gets the stop signal.
 class LoopThread {
  public:
-  LoopThread(Sequencer& sequencer, GpioOutputs& outputs, const Rig::RealTime& wanted, SharedStatus& page,
+  LoopThread(Sequencer& sequencer, HeldOutputs& outputs, const Rig::RealTime& wanted, SharedStatus& page,
              EventFd& wake, Console& console)
       : sequencer_(sequencer), outputs_(outputs), page_(page), wake_(wake), console_(console) {
     thread_ = std::thread([this, wanted] {
@@ -167,7 +147,7 @@ class LoopThread {
   static constexpr const char* kNoSwitchingOff = "an output could not be switched off";
 
   Sequencer& sequencer_;
-  GpioOutputs& outputs_;
+  HeldOutputs& outputs_;
   SharedStatus& page_;
   EventFd& wake_;
   Console& console_;
@@ -214,7 +194,7 @@ std::function<std::string(MonoTime, MonoTime)> culprits_of(const Rig::RealTime& 
 
 }  // namespace
 
-int run_worker(const Rig& rig, const Options& options, SharedStatus& page, GpioOutputs& outputs) {
+int run_worker(const Rig& rig, const Options& options, SharedStatus& page, RigDevice& device) {
   keep_memory();
   // What the journal's disk and the network complete in the kernel would come to the CPU that asked for it.
   exclude_cpu(rig.real_time.cpu);
@@ -229,9 +209,14 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page, GpioO
     console.say(why);
     return kExitBadInput;
   };
-  auto inputs = GpioInputs::open(rig, loop_wake.fd());
-  if (!inputs) return give_up(inputs.error().message);
-  for (const std::string& warning : (*inputs)->warnings()) console.say("warning: " + warning);
+  SystemClock clock;
+  const auto ports = device.open_ports(clock, page, loop_wake.fd());
+  if (!ports) {
+    page.outputs_safe = device.confirms();
+    console.say(ports.error().message);
+    return kExitBadInput;
+  }
+  for (const std::string& warning : ports->warnings) console.say("warning: " + warning);
 
   lcm::LCM lcm(options.lcm_url);
   if (!lcm.good()) return give_up(no_lcm(options.lcm_url));
@@ -242,7 +227,6 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page, GpioO
   page.boot_id = boot_id;
   LcmBus network(lcm);
   SealedBus bus(network, options.key.value(), boot_id);
-  SystemClock clock;
   LoopQueue queue(rig, publisher_wake);
   CommandQueue commands(loop_wake);
   Mailbox mailbox;
@@ -252,14 +236,13 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page, GpioO
   // Before the loop runs: with none set aside it refuses shots until the publisher could.
   if (auto done = numbers.set_aside(numbers.last_before()); !done) console.say(done.error().message);
   queue.set_shot_id_limit(numbers.limit());
-  ToldOutputs told_outputs(outputs, page);
-  Sequencer sequencer(rig, {clock, told_outputs, **inputs, queue, commands}, numbers.last_before(),
-                      find_tick(rig.real_time));
+  Sequencer sequencer(rig, {clock, ports->outputs, ports->edges, queue, commands}, numbers.last_before(),
+                      rig.flash_sequencer.fitted() ? Tick{} : find_tick(rig.real_time));
 
   std::vector<std::string> faults;
   if (std::string fault = lock_memory(); !fault.empty()) faults.push_back(std::move(fault));
   const LatencyRequest latency;
-  LoopThread loop(sequencer, outputs, rig.real_time, page, loop_wake, console);
+  LoopThread loop(sequencer, device, rig.real_time, page, loop_wake, console);
   for (std::string& fault : loop.set_up()) faults.push_back(std::move(fault));
   if (!faults.empty() && !options.allow_no_rt) {
     return give_up("no real-time rights: " + joined(faults) +

@@ -1,6 +1,7 @@
 #include "host/config/rig_file.hpp"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <filesystem>
 #include <set>
 
@@ -93,6 +94,12 @@ Duration in_us(TomlTable& table, const char* key) {
   return from_seconds(1e-6 * table.optional_number(key, {0.0, 1e9}).value_or(0.0));
 }
 
+bool gate_fitted(TomlTable root) {
+  if (!root.has("sequencer")) return !root.has("lines") || root.table("lines").has("gate");
+  const auto inputs = root.table("sequencer").strings_or("inputs", {"gate"});
+  return std::find(inputs.begin(), inputs.end(), "gate") != inputs.end();
+}
+
 /// strobed's own tables, of which it checks the rest.
 PlanLimits read_limits(TomlTable root, const ShotPlan& plan) {
   PlanLimits limits;
@@ -104,7 +111,7 @@ PlanLimits read_limits(TomlTable root, const ShotPlan& plan) {
     limits.max_flashes = static_cast<std::int32_t>(lamps.integer("max_flashes_per_shot", {1, kMaxFlashes}));
   if (const auto most_s = shutter.optional_number("max_open_s", {0.0, to_seconds(kLongestOfPlan)}))
     limits.longest_exposure = from_seconds(*most_s);
-  limits.gate_fitted = !root.has("lines") || root.table("lines").has("gate");
+  limits.gate_fitted = gate_fitted(root);
   limits.impact_at = plan.impact_at;
   return limits;
 }

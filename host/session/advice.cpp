@@ -83,6 +83,8 @@ constexpr std::array kAbortAdvice = std::to_array<AbortAdvice>({
      "go on with strobe fire --resume."},
     {"suspended", "Keep the rig's computer from sleeping, then go on with strobe fire --resume."},
     {"would have been", kBusy},
+    {"beats did not come", kBusy},
+    {"not loaded in time", kBusy},
     {"would have come",
      "Give the plan a longer period: the lamps had no time to recharge after a flash that came late."},
     {" on for ", kBusy},
@@ -93,6 +95,8 @@ constexpr std::array kAbortAdvice = std::to_array<AbortAdvice>({
      "Look whether the machine threw the ball and whether it crosses the light gate; look at the gate's lamp "
      "and cable."},
     {"stopped by a signal", "strobed was ended: start it again, and go on with strobe fire --resume."},
+    {"flash sequencer",
+     "Look at the flash sequencer's line, cable and supply (strobed --check asks it), and fire it again."},
     {"guardian",
      "Look at strobed's log for why its guardian failed, start it again, and go on with strobe fire "
      "--resume."},

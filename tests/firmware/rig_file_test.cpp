@@ -41,6 +41,56 @@ std::string error_of(const std::string& text) { return testing::error_of(read_ri
 
 TEST_GROUP(RigFile) { std::string text = shipped(); };
 
+namespace {
+
+/// The shipped rig with this in place of [chip] and [lines].
+std::string on_sequencer(const std::string& text, const std::string& table) {
+  const auto chip = text.find("[chip]\n"), lamps = text.find("[lamps]\n");
+  return text.substr(0, chip) + table + "\n" + text.substr(lamps);
+}
+
+}  // namespace
+
+TEST(RigFile, AFlashSequencerTakesThePlaceOfChipAndLines) {
+  const auto rig = read_rig(on_sequencer(text, "[sequencer]\nport = \"/dev/ttyAMA0\"\n"), "rig.toml");
+  CHECK_TRUE(rig.has_value());
+  CHECK_TRUE(rig->flash_sequencer.fitted());
+  CHECK_EQUAL(std::string("/dev/ttyAMA0"), rig->flash_sequencer.port);
+  for (const Line line : {Line::strobe_a, Line::strobe_b, Line::shutter, Line::trigger, Line::key, Line::estop,
+                          Line::sensor_a, Line::sensor_b, Line::gate})
+    CHECK_TRUE_TEXT(rig->line(line).fitted, line_key(line));
+  CHECK_FALSE(rig->line(Line::xsync).fitted);
+  CHECK_FALSE(read_rig(text, "rig.toml")->flash_sequencer.fitted());
+}
+
+TEST(RigFile, AChipMayHaveTheSensorsBesideAFlashSequencer) {
+  const auto rig = read_rig(on_sequencer(text, "[chip]\nname = \"pinctrl-rp1\"\n[lines]\nsensor_a = { line = 24 }\n"
+                                               "[sequencer]\nport = \"/dev/ttyAMA0\"\n"),
+                            "rig.toml");
+  CHECK_TRUE(rig.has_value());
+  CHECK_EQUAL(std::string("pinctrl-rp1"), rig->chip);
+  CHECK_TRUE(rig->line(Line::sensor_b).fitted);
+  const Rig witnessed = witnessed_lines(*rig);
+  CHECK_TRUE(witnessed.line(Line::sensor_a).fitted);
+  for (const Line line : {Line::sensor_b, Line::key, Line::estop, Line::gate, Line::trigger})
+    CHECK_FALSE_TEXT(witnessed.line(line).fitted, line_key(line));
+}
+
+TEST(RigFile, SaysWhatIsWrongWithAFlashSequencer) {
+  const std::string port = "[sequencer]\nport = \"/dev/ttyAMA0\"\n";
+  STRCMP_CONTAINS("sequencer.port: is missing", error_of(on_sequencer(text, "[sequencer]\n")).c_str());
+  STRCMP_CONTAINS("sequencer.port: must be the path of a serial line",
+                  error_of(on_sequencer(text, "[sequencer]\nport = \"ttyAMA0\"\n")).c_str());
+  STRCMP_CONTAINS("lines.estop: is on the flash sequencer", error_of(text + port).c_str());
+  STRCMP_CONTAINS("lamps.max_flashes_per_shot: must be at most 1024",
+                  error_of(replaced(on_sequencer(text, port), "max_flashes_per_shot = 400", "max_flashes_per_shot = 1025"))
+                      .c_str());
+  STRCMP_CONTAINS("sequencer.inputs: must have sensor_a or sensor_b",
+                  error_of(on_sequencer(text, port + "inputs = [\"gate\"]\n")).c_str());
+  STRCMP_CONTAINS("sequencer.inputs: must be a list of",
+                  error_of(on_sequencer(text, port + "inputs = [\"sensor_a\", \"key\"]\n")).c_str());
+}
+
 TEST(RigFile, ReadsTheShippedRig) {
   const auto rig = read_rig(text, "rig.toml");
   CHECK_EQUAL(std::string(), error_of(text));

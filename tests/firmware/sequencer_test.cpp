@@ -141,7 +141,7 @@ TEST(Sequencer, AllocatesNothingWhileItPlaysAShot) {
 
 TEST(Sequencer, NumbersShotsFromTheLastOneOfTheSession) {
   SequencerFixture later;
-  Sequencer sequencer(later.config, later.rig.ports(), 41);
+  Sequencer sequencer(later.config, later.rig.ports(later.outputs), 41);
   sequencer.start("test");
   later.rig.schedule_command(later.rig.time, later.arm_command());
   sequencer.step(kNoDeadline);

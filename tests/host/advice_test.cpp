@@ -41,10 +41,15 @@ std::vector<std::string> firmware_reasons() {
     CHECK_TEXT(words.size() >= least, (file + ": " + pattern).c_str());
     reasons.insert(reasons.end(), words.begin(), words.end());
   };
-  add("core/shot_player.cpp", R"re(abort\("([^"]+)"\))re", 10);
+  add("core/shot_player.cpp", R"re(abort\("([^"]+)"\))re", 4);
+  add("core/shot_player.cpp", R"re(return "([^"]+)";)re", 4);
+  add("core/shot_player.cpp", R"re([?:] "([^"]+ could not be set)")re", 3);
+  add("core/timed_outputs.cpp", R"re(failed\("([^"]+)")re", 1);
+  add("flash_sequencer/outputs.cpp", R"re(give_up\(listener, "([^"]+)")re", 4);
+  add("flash_sequencer/outputs.cpp", R"re(kWasReset = "([^"]+)")re", 1);
   // An arming that expires ends no shot.
   add("core/interlock.cpp", R"re(dispatch\(InterlockEvent::(?!expiry)\w+, "([^"]+)")re", 6);
-  add("core/sequencer.cpp", R"re(fault\("([^"]+)"\))re", 1);
+  add("core/timed_outputs.hpp", R"re("(an output line [^"]+)")re", 1);
   add("core/sequencer.cpp", R"re(lines_fail\("([^"]+)"\))re", 2);
   add("worker/worker.cpp", R"re("(the guardian [^"]+|stopped by [^"]+|an output [^"]+)")re", 4);
   return reasons;
@@ -81,6 +86,8 @@ TEST(Advice, IsGivenForEveryReasonForWhichTheFirmwareAborts) {
   // Reasons with numbers in them: where they are put together, and what comes of it (tests/firmware).
   LONGS_EQUAL(3, found(firmware_source("core/shot_player.cpp"), R"re((abort\(why))re").size());
   for (const char* reason : {"flash 6 would have been 1712 us late", "trigger would have been 1712 us late",
+                             "the flash sequencer refused a request out of turn",
+                             "the flash sequencer cut the outputs: strobed's beats did not come",
                              "flash 21 would have come 2400 us after the one before", "the trigger was on for 120000 us"})
     CHECK_TEXT(!advice_on_abort(reason).empty(), reason);
   CHECK_TRUE(advice_on_abort("a reason of a later firmware").empty());

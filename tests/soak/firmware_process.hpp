@@ -59,6 +59,7 @@ class FirmwareProcess {
   firmware::Mailbox mailbox_;
   firmware::Journal journal_;
   firmware::SealedBus bus_;
+  firmware::TimedOutputs outputs_;
   firmware::Sequencer sequencer_;
   firmware::Publisher publisher_;
   firmware::Rejections rejections_;

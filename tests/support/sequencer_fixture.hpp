@@ -12,6 +12,7 @@ inline constexpr std::int64_t kHost = 77;
 struct SequencerFixture {
   Rig config;
   VirtualRig rig;
+  TimedOutputs outputs{config, rig, rig};
   Sequencer sequencer;
   std::int64_t last_command = 0, next_token = 500;
 
@@ -20,7 +21,7 @@ struct SequencerFixture {
       const Rig& rig_config = shipped_rig(), const Tick& tick = {}, Prepare before_start = [](VirtualRig&) {})
       : config(rig_config),
         rig(static_cast<std::size_t>(rig_config.lamps.max_flashes)),
-        sequencer(config, rig.ports(), 0, tick) {
+        sequencer(config, rig.ports(outputs), 0, tick) {
     before_start(rig);
     sequencer.start("test");
   }

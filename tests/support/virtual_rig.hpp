@@ -37,7 +37,7 @@ class VirtualRig final : public Clock,
     pending_.reserve(10'000);
   }
 
-  firmware::Ports ports() { return {*this, *this, *this, *this, *this}; }
+  firmware::Ports ports(firmware::ScheduledOutputs& outputs) { return {*this, outputs, *this, *this, *this}; }
 
   // What the rig does
   // -------------------------------------------------------------------------------------------

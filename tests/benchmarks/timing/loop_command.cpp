@@ -153,7 +153,8 @@ int run_loop(const LoopSettings& settings) {
   SystemClock clock;
   LoopQueue queue(rig, publisher_wake);
   Operator commands(rig.plan);
-  Sequencer sequencer(rig, {clock, *lines, **inputs, queue, commands}, 0, find_tick(rig.real_time));
+  TimedOutputs outputs(rig, clock, *lines);
+  Sequencer sequencer(rig, {clock, outputs, **inputs, queue, commands}, 0, find_tick(rig.real_time));
   Collector collector(queue, publisher_wake);
   std::string faults = lock_memory();
   const LatencyRequest latency;
