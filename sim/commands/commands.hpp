@@ -34,6 +34,7 @@ struct RunOptions {
   bool gev_camera = false;     ///< a GigE Vision device in place of the folder
   bool ptp_camera = false;     ///< one that speaks PTP/IP
   std::string camera_address;  ///< its
+  bool sequencer = false;      ///< a flash sequencer in place of the chip
   std::string photographs;     ///< folder for the camera's files; empty: none are made
   std::string rig_file;        ///< to write before the command starts; empty: none
   bool digitizer = true;

@@ -65,6 +65,8 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
   run->add_option("--camera-address", options.camera_address, "IPv4 address of that camera, 127.x.y.z")
       ->check(gev::address_problem)
       ->capture_default_str();
+  run->add_flag("--sequencer", options.sequencer,
+                "The lines are on a flash sequencer, at the terminal `sequencer` in --chip-dir");
   run->add_option(
       "--write-rig", options.rig_file,
       "Write a rig file that fits the scene, for strobed --config and strobe fire --rig; a file that "
@@ -88,7 +90,7 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
   run->add_option("command", options.command,
                   "Command and its arguments, after --; may be left out with --write-rig");
   command_line::for_experts(*run, {"--lcm-url", "--key-file", "--rig", "--changes", "--tolerance",
-                                   "--no-digitizer", "--camera-address"});
+                                   "--no-digitizer", "--camera-address", "--sequencer"});
 }
 
 void add_shoot(CLI::App& app, ShootOptions& options, bool& as_json) {

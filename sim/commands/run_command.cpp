@@ -11,6 +11,7 @@
 #include "common/config/files.hpp"
 #include "common/messages/channels.hpp"
 #include "sim/commands/commands.hpp"
+#include "sim/flash_sequencer/flash_sequencer.hpp"
 #include "sim/gev/gev_camera.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "sim/live/child_process.hpp"
@@ -29,6 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::milliseconds kWatchAfterDeath{100};
+constexpr const char* kTerminal = "sequencer";  // in the chip's folder
 
 Bias bias_of(ChipSettings::Bias bias) {
   switch (bias) {
@@ -42,7 +44,7 @@ Bias bias_of(ChipSettings::Bias bias) {
   return Bias::set;
 }
 
-ChipSpec chip_of(const Scene& scene) {
+ChipSpec chip_of(const Scene& scene, bool with_sequencer) {
   ChipSpec spec;
   spec.name = scene.chip.name;
   spec.label = scene.chip.label;
@@ -56,6 +58,11 @@ ChipSpec chip_of(const Scene& scene) {
     if (rig_line(static_cast<std::uint32_t>(i)) == RigLine::key) line.idle_level = scene.chip.key_level;
     if (rig_line(static_cast<std::uint32_t>(i)) == RigLine::estop) line.idle_level = scene.chip.estop_level;
     spec.lines.push_back(line);
+  }
+  for (const sequencer::ControlLine& control : sequencer::kControlLines) {
+    if (!with_sequencer) break;
+    spec.lines[control.line].name = std::string(control.name);
+    spec.lines[control.line].idle_level = control.idle_level;
   }
   return spec;
 }
@@ -95,7 +102,7 @@ class Session {
                                                const Model& model, std::uint64_t seed,
                                                const fs::path& folder) {
     std::unique_ptr<Session> session(new Session(options));
-    auto chip = Chip::create(folder, chip_of(scene));
+    auto chip = Chip::create(folder, chip_of(scene, options.sequencer));
     if (!chip) return tl::unexpected(chip.error());
     std::optional<gpio::TimeKeeper::Repeatable> repeatable;
     if (options.clock_start_s) repeatable = {*options.clock_start_s, seed + 1};
@@ -130,6 +137,14 @@ class Session {
       return tl::unexpected(made.error());
     session->runner_ = std::make_unique<RigRunner>(std::move(*chip), scene, seed, session->exposure_store_,
                                                    !options.changes_file.empty(), model);
+    if (options.sequencer) {
+      auto made = sequencer::FlashSequencer::create(folder / kTerminal, folder, seed, clock);
+      if (!made) return tl::unexpected(made.error());
+      session->sequencer_ = std::move(*made);
+      session->runner_->tell_changes([&board = *session->sequencer_](const std::vector<Change>& changes) {
+        board.lines_changed(changes);
+      });
+    }
     if (options.digitizer) {
       const auto key = authentication::find_key({options.key_file, ""});
       if (!key) return tl::unexpected(key.error());
@@ -142,6 +157,7 @@ class Session {
       session->tablet_operator_->start();
     }
     session->runner_->start();
+    if (session->sequencer_) session->sequencer_->start();
     if (session->gev_camera_) session->gev_camera_->start(options.pace == gpio::Pace::machine);
     if (session->ptp_camera_) session->ptp_camera_->start(options.pace == gpio::Pace::machine);
     if (session->photographer_) session->photographer_->start(options.pace == gpio::Pace::machine);
@@ -155,6 +171,7 @@ class Session {
   Result<void> close() {
     std::this_thread::sleep_for(kWatchAfterDeath);
     runner_->stop();
+    sequencer_.reset();
     if (tablet_operator_) tablet_operator_->stop();
     for (const auto& exposure : exposure_store_.all()) truth_->write(*exposure, 0);
     if (gev_camera_) gev_camera_->stop();
@@ -173,6 +190,7 @@ class Session {
   const RunOptions& options_;
   ExposureStore exposure_store_;
   std::unique_ptr<TruthFile> truth_;
+  std::unique_ptr<sequencer::FlashSequencer> sequencer_;  ///< the runner tells it of changes
   std::unique_ptr<RigRunner> runner_;
   std::unique_ptr<TabletOperator> tablet_operator_;
   std::unique_ptr<TetheredCamera> photographer_;
@@ -191,6 +209,7 @@ Result<void> write_rig_of(const RunOptions& options, const Scene& scene) {
   settings.lcm_url = url;
   settings.key_file = options.key_file;
   settings.photographs = options.photographs;
+  if (options.sequencer) settings.sequencer = fs::absolute(options.chip_dir) / kTerminal;
   if (options.gev_camera) {
     settings.camera_kind = "genicam";
     settings.camera_address = options.camera_address;
@@ -209,6 +228,8 @@ Result<void> write_rig_of(const RunOptions& options, const Scene& scene) {
 int run_command(const RunOptions& options) {
   if (!messages::valid_rig_name(options.rig_name))
     return report_error("--rig: 1 to 24 letters, digits, _ or -, not \"" + options.rig_name + "\"", 2);
+  if (options.sequencer && options.chip_dir.empty())
+    return report_error("--sequencer: its terminal is in the chip's folder, give one by --chip-dir", 2);
   const auto scene = load_scene(options.scene);
   if (!scene) return report_error(scene.error().message, 2);
   if (const auto written = write_rig_of(options, *scene); !written)

@@ -164,11 +164,12 @@ struct Chip::Impl {
   }
   void unlock_drive(std::uint32_t line) const { gpio::sys::unlock(folder.lock_fd, gpio::kDriveByte + line); }
 
-  void change_outside(std::uint32_t line, gpio::PinEdit edit, MonoTime stamp) const {
+  void change_outside(std::uint32_t line, gpio::PinEdit edit, MonoTime stamp,
+                      Cause cause = Cause::drive) const {
     if (line >= state().line_count || state().unplugged.load() != 0) return;
     const std::int64_t stamp_ns = std::min(to_ns(stamp), gpio::now_ns(state()));
     lock_drive(line);
-    if (gpio::change_line(state(), line, edit, gpio::Cause::drive, stamp_ns))
+    if (gpio::change_line(state(), line, edit, cause, stamp_ns))
       gpio::emit_edge(folder, line, gpio::level_of(state(), line), stamp_ns);
     unlock_drive(line);
     gpio::notify(state());
@@ -258,8 +259,8 @@ LineState Chip::state(std::uint32_t line) const {
   return found;
 }
 
-void Chip::drive(std::uint32_t line, int level, MonoTime stamp) {
-  impl_->change_outside(line, gpio::outside_edit(level != 0 ? 1 : 0), stamp);
+void Chip::drive(std::uint32_t line, int level, MonoTime stamp, Cause cause) {
+  impl_->change_outside(line, gpio::outside_edit(level != 0 ? 1 : 0), stamp, cause);
 }
 
 void Chip::open_wire(std::uint32_t line, MonoTime stamp) {
@@ -297,6 +298,21 @@ bool Chip::set_clocks(Duration suspended, Duration wall_step) const {
 
 void Chip::begin_time() const { impl_->state().time.begun.store(1); }
 void Chip::hold_time() const { impl_->state().time.begun.store(0); }
+
+void Chip::await_writes_to(int terminal) const {
+  gpio::sys::FileId id;
+  if (gpio::sys::identify(terminal, id) != 0) return;
+  impl_->state().time.terminal_device.store(id.device);
+  impl_->state().time.terminal_inode.store(id.inode);
+}
+
+void Chip::took_written(std::size_t bytes) const { impl_->state().time.terminal_taken.fetch_add(bytes); }
+
+std::optional<MonoTime> Chip::last_written() const {
+  const gpio::State& state = impl_->state();
+  if (!gpio::is_kept(state)) return std::nullopt;
+  return from_ns(state.time.terminal_written_ns.load());
+}
 
 ChangeCursor Chip::cursor_now() const { return {gpio::newest(impl_->state())}; }
 

@@ -111,7 +111,8 @@ class Chip {
   /// Drives an input from outside at the instant `stamp` (now or just past): level, ring entry, and, if the
   /// line is requested for that edge, an event with this very stamp. No effect but the latched outside level
   /// on an output.
-  void drive(std::uint32_t line, int level, MonoTime stamp);
+  /// Cause::set: by a program of the rig's that is wired to it in place of the chip.
+  void drive(std::uint32_t line, int level, MonoTime stamp, Cause cause = Cause::drive);
   /// The same for a wire that breaks or is pulled off; the next drive() mends it.
   void open_wire(std::uint32_t line, MonoTime stamp);
 
@@ -141,6 +142,12 @@ class Chip {
   void hold_time() const;
   /// The calling process takes part in rig time, whatever program it becomes.
   void join_time() const;
+
+  /// Rig time waits for what programs write to that terminal, whose other end is the rig's, until it was
+  /// taken.
+  void await_writes_to(int terminal) const;
+  void took_written(std::size_t bytes) const;
+  std::optional<MonoTime> last_written() const;  ///< by rig time, if it is kept
 
   /// As if the device were unplugged: every further ioctl answers ENODEV, the node is gone, event descriptors
   /// end (poll: hang-up, read: ENODEV) as soon as every rig that is attached made its next call. A chip that

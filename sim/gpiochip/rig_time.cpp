@@ -352,6 +352,13 @@ bool put_off_write(int fd, std::uint64_t value) {
   return true;
 }
 
+bool is_terminal(const State& state, int fd) {
+  const std::uint64_t inode = state.time.terminal_inode.load();
+  sys::FileId id;
+  return inode != 0 && sys::identify(fd, id) == 0 && id.inode == inode &&
+         id.device == state.time.terminal_device.load();
+}
+
 void sleep_as_rig(State& state, std::uint64_t ring_position, std::uint32_t wake, std::int64_t until_ns) {
   RigTime& time = state.time;
   begin_wait(state, until_ns, WakeBy::ring);

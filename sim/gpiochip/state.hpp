@@ -14,7 +14,7 @@
 namespace strobe::sim::gpio {
 
 inline constexpr std::uint64_t kMagic = 0x53545242'4750494fULL;  // "STRBGPIO"
-inline constexpr std::uint32_t kVersion = 5;
+inline constexpr std::uint32_t kVersion = 6;
 inline constexpr std::uint32_t kMaxLines = 64;
 inline constexpr std::uint32_t kMaxWatchers = 32;  ///< opens of the chip that can watch lines
 inline constexpr std::uint32_t kRingBits = 16;
@@ -203,6 +203,10 @@ struct alignas(64) RigTime {
   std::atomic<std::uint32_t> turns;  ///< futex: grows when it has done what was due and lies down
   std::atomic<std::int64_t> rig_ns;  ///< what it waits for
   std::atomic<std::uint64_t> seen;   ///< position in the ring up to which it has seen the changes
+  // Of the terminal whose other end is the rig's: what was written to it has not been taken yet.
+  std::atomic<std::uint64_t> terminal_device, terminal_inode;  ///< 0: there is none
+  std::atomic<std::uint64_t> terminal_written, terminal_taken;
+  std::atomic<std::int64_t> terminal_written_ns;     ///< when it was written to last
   std::atomic<std::int32_t> programs[kMaxPrograms];  ///< process ids; 0: free
   TimedWait waits[kMaxWaits];
 };

@@ -32,6 +32,7 @@ constexpr std::int64_t kFirstLook = 20 * kUs;  // after a thread was woken
 constexpr std::int64_t kLastLook = 2 * kMs;    // while one works for long
 constexpr std::int64_t kListEvery = 20 * kMs;  // programs that have ended
 constexpr std::int64_t kHangs = 100 * kMs;     // of a loop's own time, without a look at the clock
+constexpr std::int64_t kLongestHandover = 1'000 * kMs;
 constexpr std::int64_t kEpoch2000 = INT64_C(946'684'800'000'000'000);
 
 class Keeping {
@@ -48,6 +49,7 @@ class Keeping {
     if (next == nullptr) return rest(kLastLook);
     const std::int64_t until = next->until_ns.load();
     if (until == kNever) return;
+    if (!terminal_is_quiet() && !rig_is_up()) return look_again_later();
     if (!has_come(until)) return;
     wake(*next, until);
   }
@@ -87,6 +89,29 @@ class Keeping {
     const std::int64_t now = time_.now_ns.load();
     return std::none_of(std::begin(time_.waits), std::end(time_.waits), [now](const TimedWait& wait) {
       return wait.tid.load() != 0 && wait.wake_by.load() == WakeBy::itself && wait.until_ns.load() <= now;
+    });
+  }
+
+  /// The kernel hands over what was written to a terminal by a thread of its own. What never arrives (its
+  /// writer was killed meanwhile, or has taken it back) is waited for once.
+  bool terminal_is_quiet() {
+    const std::uint64_t written = time_.terminal_written.load();
+    if (written == time_.terminal_taken.load()) {
+      terminal_since_ns_ = 0;
+      return true;
+    }
+    if (terminal_since_ns_ == 0) terminal_since_ns_ = sys::now_ns();
+    if (sys::now_ns() - terminal_since_ns_ < kLongestHandover) return false;
+    time_.terminal_taken.store(written);
+    terminal_since_ns_ = 0;
+    return true;
+  }
+
+  /// A thread of the rig's program knows that something has come, and waits for its turn.
+  bool rig_is_up() {
+    const std::int64_t now = time_.now_ns.load();
+    return std::any_of(std::begin(time_.waits), std::end(time_.waits), [now](const TimedWait& wait) {
+      return wait.pid.load() == ::getpid() && wait.tid.load() != 0 && wait.until_ns.load() <= now;
     });
   }
 
@@ -188,7 +213,8 @@ class Keeping {
   std::vector<pid_t> programs_;
   std::int64_t list_again_ns_ = 0;
   std::int64_t pause_ns_ = kFirstLook;
-  std::uint64_t looks_ = 0;  ///< of the loop
+  std::int64_t terminal_since_ns_ = 0;  ///< not quiet
+  std::uint64_t looks_ = 0;             ///< of the loop
   std::uint64_t ran_ns_ = 0;
 };
 

@@ -48,6 +48,7 @@ void RigRunner::stop() {
 void RigRunner::take_changes(MonoTime deadline) {
   fresh_.clear();
   if (!chip_.wait_changes(cursor_, deadline, fresh_)) rig_.mark_overrun();
+  if (listener_ && !fresh_.empty()) listener_(fresh_);
   for (const Change& change : fresh_) {
     const auto line = rig_line(change.line);
     if (line && change.cause != Cause::drive) rig_.line_changed(*line, change.level, change.time);

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -25,6 +26,10 @@ class RigRunner {
   RigRunner(const RigRunner&) = delete;
   RigRunner& operator=(const RigRunner&) = delete;
 
+  /// Of each change of a line, by the runner's thread before it goes on. Before start().
+  void tell_changes(std::function<void(const std::vector<Change>&)> listener) {
+    listener_ = std::move(listener);
+  }
   void start();
   /// Ends the thread and stores an exposure still in progress.
   void stop();
@@ -47,6 +52,7 @@ class RigRunner {
   ExposureStore& exposure_store_;
   bool record_changes_;
   ChangeCursor cursor_;
+  std::function<void(const std::vector<Change>&)> listener_;
   std::vector<Change> fresh_;
   std::vector<Change> recorded_;
   std::vector<Drive> drives_;

@@ -38,6 +38,7 @@ enum class Purpose : std::uint64_t {
   camera_link,   ///< what it loses
   out_of_plane,  ///< direction of travel and spins
   tablet_tilt,
+  flash_sequencer,
 };
 
 /// No normal draw is farther from its mean than this many standard deviations (a share of 2e-9 would be), so

@@ -64,8 +64,13 @@ Timing timing_of(const Scene& scene) {
   return timing;
 }
 
-std::string lines_table() {
-  return "# Names as the simulated chip has them.\n"
+std::string lines_tables(const Scene& scene, const fs::path& sequencer) {
+  if (!sequencer.empty())
+    return "# The lines are on a flash sequencer.\n[sequencer]\n" +
+           line("port = " + quoted(sequencer.string()), "its serial line") +
+           "inputs = [\"sensor_a\", \"sensor_b\", \"gate\"]\n\n";
+  return "[chip]\nname = " + quoted(scene.chip.name) +
+         "\n\n# Names as the simulated chip has them.\n"
          "[lines]\n"
          "strobe_a = { line = \"STROBE_A\" }\n"
          "strobe_b = { line = \"STROBE_B\" }\n"
@@ -224,8 +229,8 @@ std::string rig_file_text(const Scene& scene, const RigFileSettings& settings) {
       fmt::format("# The simulated rig of scene {}, written by strobe-sim run --write-rig.\n\n", scene.name);
   text += line("rig = " + quoted(settings.rig_name), "name in the LCM channels");
   if (!settings.lcm_url.empty()) text += "lcm_url = " + quoted(settings.lcm_url) + "\n";
-  text += "\n[chip]\nname = " + quoted(scene.chip.name) + "\n\n" + lines_table() +
-          hardware_tables(scene, timing) + plan_table(scene, timing);
+  text += "\n" + lines_tables(scene, settings.sequencer) + hardware_tables(scene, timing) +
+          plan_table(scene, timing);
   if (!settings.key_file.empty())
     text += "[commands]\n" + line("key_file = " + quoted(settings.key_file.string()), "the lab's key") + "\n";
   return text + ball_table(scene) + analysis_table(scene, settings.camera_kind == "genicam") +

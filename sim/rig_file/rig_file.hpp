@@ -16,6 +16,7 @@ struct RigFileSettings {
   std::filesystem::path key_file{};     ///< of the lab; empty: where strobe looks for it
   std::filesystem::path photographs{};  ///< the camera's folder; empty: none, a person digitizes them
   /// As the host names them; an empty address: photographs come into the folder by themselves.
+  std::filesystem::path sequencer{};  ///< its terminal; empty: the lines are the chip's
   std::string camera_kind{}, camera_address{}, camera_serial{};
 };
 

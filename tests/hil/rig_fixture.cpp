@@ -67,6 +67,12 @@ std::string shipped_rig() {
   return replaced(text, "wake_ahead_us = 4000", std::string("wake_ahead_us = ") + wake_ahead);
 }
 
+/// Its lines on the flash sequencer that strobe-sim has beside that chip.
+std::string on_sequencer(std::string text, const std::filesystem::path& chip_dir) {
+  const std::size_t begin = text.find("[chip]"), end = text.find("[lamps]");
+  return text.replace(begin, end - begin, "[sequencer]\nport = \"" + (chip_dir / "sequencer").string() + "\"\n\n");
+}
+
 }  // namespace
 
 RigFixture::RigFixture(const RigFixtureOptions& options)
@@ -75,7 +81,9 @@ RigFixture::RigFixture(const RigFixtureOptions& options)
         const std::string scene = testing::read_text(share("scenes") / (options.scene + ".toml"));
         testing::write_text(folder_ / (options.scene + ".toml"),
                             edited(scene, options.scene_edits) + "\n" + options.scene_addition + "\n");
-        testing::write_text(rig_file(), edited(options.scene_rig ? rig_of_scene(options) : shipped_rig(), options.rig_edits));
+        std::string rig = options.scene_rig ? rig_of_scene(options) : shipped_rig();
+        if (options.sequencer) rig = on_sequencer(std::move(rig), chip_dir());
+        testing::write_text(rig_file(), edited(std::move(rig), options.rig_edits));
         std::filesystem::create_directory(session());
         return testing::Process(sim_command(options), folder_.path());
       }()) {}
@@ -115,6 +123,7 @@ Command RigFixture::sim_command(const RigFixtureOptions& options) const {
     command.arguments.insert(command.arguments.end(), words.begin(), words.end());
   };
   add(options.sim_options);
+  if (options.sequencer) add({"--sequencer"});
   if (options.scene_rig) add({"--photographs", folder_ / "photographs"});
   add({"--"});
   if (!options.shell.empty()) add({"sh", "-c", options.shell, "sh"});

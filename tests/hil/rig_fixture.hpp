@@ -25,6 +25,7 @@ struct RigFixtureOptions {
   std::vector<std::pair<std::string, std::string>> scene_edits;  ///< texts replaced in it; each must be there
   /// The rig file that strobe-sim writes for the scene, not the shipped one; photographs go into its camera's folder.
   bool scene_rig = false;
+  bool sequencer = false;  ///< the lines are on a flash sequencer; not with scene_rig
   /// Texts replaced in the rig file; each must be there.
   std::vector<std::pair<std::string, std::string>> rig_edits;
   std::uint64_t seed = 1;

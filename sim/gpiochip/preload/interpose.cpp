@@ -280,7 +280,9 @@ STROBE_EXPORT ssize_t write(int fd, const void* data, size_t size) {
     memcpy(&value, data, sizeof(value));
     if (gpio::put_off_write(fd, value)) return static_cast<ssize_t>(size);
   }
-  return STROBE_NEXT(Function, "write")(fd, data, size);
+  const auto native = [&] { return STROBE_NEXT(Function, "write")(fd, data, size); };
+  gpio::State* state = gpio::device().state;
+  return state == nullptr ? native() : gpio::write_awaited(*state, fd, size, native);
 }
 
 STROBE_EXPORT int ioctl(int fd, unsigned long given, ...) noexcept {

@@ -1,0 +1,41 @@
+// The pseudo terminal at which a program finds the simulated flash sequencer, raw, at a path of the rig's.
+// One thread's.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "common/result.hpp"
+#include "sim/gpiochip/chip.hpp"
+
+namespace strobe::sim::sequencer {
+
+class Terminal {
+ public:
+  /// `path` becomes a link to it, until this object ends. Rig time waits for what programs write to it;
+  /// `chip` must outlive this.
+  static Result<Terminal> open(const std::filesystem::path& path, Chip& chip);
+  Terminal(Terminal&& other) noexcept;
+  Terminal& operator=(Terminal&&) = delete;
+  ~Terminal();
+
+  int descriptor() const { return master_; }  ///< to be polled
+  /// What has come; as many as there are, up to its room. The number of bytes.
+  std::size_t read(std::span<std::uint8_t> bytes);
+  /// When that was written, at most `now`.
+  MonoTime written(MonoTime now) const;
+  /// What the program does not take is lost, as at a serial line.
+  void write(std::span<const std::uint8_t> bytes);
+
+ private:
+  Terminal(Chip& chip, std::filesystem::path path) : chip_(chip), path_(std::move(path)) {}
+  Result<void> make();
+
+  Chip& chip_;
+  std::filesystem::path path_;
+  int master_ = -1;
+  int slave_ = -1;  ///< kept open, so that the line does not end with the program
+};
+
+}  // namespace strobe::sim::sequencer
