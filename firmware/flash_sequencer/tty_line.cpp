@@ -82,10 +82,10 @@ bool TtyLine::write(std::span<const std::uint8_t> bytes) noexcept {
 std::optional<SerialLine::Departure> TtyLine::departure(std::int64_t bytes, MonoTime before,
                                                         MonoTime after) noexcept {
   // A port that is busy for longer has bytes of others.
-  constexpr Duration kMost = microseconds(50);
+  constexpr Duration kLongest = microseconds(50);
   SystemClock clock;
   MonoTime busy = kNoTime;
-  for (MonoTime now = after; now < before + bytes * kByteTime + kMost;) {
+  for (MonoTime now = after; now < before + bytes * kByteTime + kLongest;) {
     const MonoTime asked = now;
     unsigned state = 0;
     if (ioctl(fd_, TIOCSERGETLSR, &state) != 0) return std::nullopt;
