@@ -175,6 +175,23 @@ TEST(FlashSequencer, IsCutByADisarm) {
   DOUBLES_EQUAL(0.0, us(rig.shot().shutter_off - rig.pins(OutputLine::shutter, false).at(0).time), 1000.0);
 }
 
+// No output is on yet, but the trigger may come until the sequencer has heard the ABORT.
+TEST(FlashSequencer, AStopIsNotOverBeforeTheSequencerSaysThatItHasCut) {
+  Loop rig;
+  rig.fire();
+  while (rig.bench.link.status().phase != flash_sequencer::Phase::playing) rig.turn();
+  CHECK_TRUE(rig.bench.line.chip.pins.empty());
+  rig.bench.line.answers = false;
+  rig.give(CommandKind::disarm);
+  rig.turn_for(milliseconds(20));
+  CHECK_TRUE(rig.bench.outputs.any_active());
+  CHECK_EQUAL(State::firing, rig.loop.state());
+  rig.bench.line.answers = true;
+  CHECK(rig.play());
+  CHECK_FALSE(rig.bench.outputs.any_active());
+  CHECK_TRUE(rig.shot().abort_reason.view().find("disarmed") != std::string_view::npos);
+}
+
 TEST(FlashSequencer, CutsItselfWhenTheBeatsStop) {
   Loop rig;
   rig.fire_until(milliseconds(100));
