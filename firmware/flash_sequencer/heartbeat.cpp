@@ -5,6 +5,7 @@
 
 #include "common/flash_sequencer/protocol.hpp"
 #include "firmware/linux/real_time.hpp"
+#include "firmware/linux/system_clock.hpp"
 
 namespace strobe::firmware {
 
@@ -54,7 +55,7 @@ void Heartbeat::run(const std::atomic<std::int64_t>& loop_turned_ns, int priorit
   become_real_time(priority);  // what is wrong with the rights is told of the loop's
   prefault_stack();
   for (MonoTime next = clock_.now(); !stop_; next = std::max(next + kEvery, clock_.now())) {
-    const timespec until{to_ns(next) / 1'000'000'000, to_ns(next) % 1'000'000'000};
+    const timespec until = to_timespec(next.time_since_epoch());
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
     const std::int64_t turned_ns = loop_turned_ns.load(std::memory_order_relaxed);
     const bool hangs = turned_ns != 0 && clock_.now() - from_ns(turned_ns) > kLoopHangs;

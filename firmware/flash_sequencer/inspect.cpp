@@ -1,7 +1,9 @@
 #include "firmware/flash_sequencer/inspect.hpp"
 
+#include <array>
 #include <cstdio>
 #include <string>
+#include <utility>
 
 #include "firmware/flash_sequencer/link.hpp"
 #include "firmware/flash_sequencer/tty_line.hpp"

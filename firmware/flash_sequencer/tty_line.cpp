@@ -13,6 +13,7 @@
 #include <cstring>
 #include <ctime>
 
+#include "firmware/linux/rig_lines.hpp"
 #include "firmware/linux/system_clock.hpp"
 
 namespace strobe::firmware {
@@ -49,8 +50,8 @@ void ask_for_low_latency(int fd) {
 Result<std::unique_ptr<TtyLine>> TtyLine::open(const Rig& rig) {
   const std::string& port = rig.flash_sequencer.port;
   const auto failed = [&](const std::string& what) {
-    return fail(rig.file_name + ":" + std::to_string(rig.flash_sequencer.port_file_line) +
-                ": sequencer.port: \"" + port + "\" " + what);
+    return fail(place(rig, rig.flash_sequencer.port_file_line, "sequencer.port") + "\"" + port + "\" " +
+                what);
   };
   const int fd = ::open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0) return failed(std::string("cannot be opened: ") + std::strerror(errno));
@@ -107,9 +108,7 @@ std::optional<std::size_t> TtyLine::read(std::span<std::uint8_t> bytes) noexcept
 }
 
 bool TtyLine::wait(MonoTime until) noexcept {
-  SystemClock clock;
-  const std::int64_t left_ns = std::max<std::int64_t>(0, (until - clock.now()).count());
-  const timespec timeout{left_ns / 1'000'000'000, left_ns % 1'000'000'000};
+  const timespec timeout = time_left(until);
   pollfd polled[] = {{fd_, POLLIN, 0}, {wake_fd_, POLLIN, 0}};
   if (ppoll(polled, 2, &timeout, nullptr) <= 0) return false;
   std::uint64_t wakes = 0;

@@ -29,14 +29,6 @@ constexpr std::array<InputLine, 6> kInputs{{{Input::estop, Line::estop, true},
                                             {Input::sensor_b, Line::sensor_b, false},
                                             {Input::xsync, Line::xsync, true}}};
 
-timespec until_timeout(MonoTime until) {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  const std::int64_t left =
-      std::max<std::int64_t>(0, to_ns(until) - (now.tv_sec * 1'000'000'000 + now.tv_nsec));
-  return {left / 1'000'000'000, left % 1'000'000'000};
-}
-
 }  // namespace
 
 struct GpioInputs::Impl {
@@ -96,7 +88,7 @@ bool GpioInputs::Impl::drain(std::size_t i, std::span<Edge> edges, std::size_t& 
 }
 
 std::optional<std::size_t> GpioInputs::wait(MonoTime until, std::span<Edge> edges) noexcept {
-  const timespec timeout = until_timeout(until);
+  const timespec timeout = time_left(until);
   return impl_->take_edges(ppoll(impl_->polled.data(), impl_->polled.size(), &timeout, nullptr), edges);
 }
 

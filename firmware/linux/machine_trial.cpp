@@ -55,9 +55,7 @@ class LoopLikeWait {
 };
 
 void sleep_in_kernel(MonoTime until) {
-  SystemClock clock;
-  const Duration left = std::max(Duration{}, until - clock.now());
-  const timespec timeout{left / std::chrono::seconds(1), (left % std::chrono::seconds(1)).count()};
+  const timespec timeout = time_left(until);
   ppoll(nullptr, 0, &timeout, nullptr);
 }
 

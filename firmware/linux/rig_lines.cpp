@@ -14,13 +14,9 @@
 
 namespace strobe::firmware {
 
-namespace {
-
 std::string place(const Rig& rig, std::uint32_t line, const std::string& key) {
   return rig.file_name + ":" + std::to_string(line) + ": " + key + ": ";
 }
-
-}  // namespace
 
 std::string line_message(const Rig& rig, Line which, const std::string& what) {
   return place(rig, rig.line(which).file_line, std::string("lines.") + line_key(which)) + what;

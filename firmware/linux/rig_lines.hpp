@@ -12,6 +12,8 @@
 
 namespace strobe::firmware {
 
+/// "FILE:LINE: KEY: ", with which an error begins.
+std::string place(const Rig& rig, std::uint32_t line, const std::string& key);
 /// `what` after the file's name, the line's place there, and its key.
 std::string line_message(const Rig& rig, Line which, const std::string& what);
 /// The same as an error.

@@ -1,11 +1,17 @@
 // The clock port on CLOCK_MONOTONIC. Real-time safe (vDSO, no system call on the usual clock sources).
 #pragma once
 
+#include <algorithm>
 #include <ctime>
 
 #include "firmware/ports/clock.hpp"
 
 namespace strobe::firmware {
+
+/// Valid: not negative.
+inline timespec to_timespec(Duration duration) {
+  return {duration.count() / 1'000'000'000, duration.count() % 1'000'000'000};
+}
 
 class SystemClock final : public Clock {
  public:
@@ -29,5 +35,10 @@ class SystemClock final : public Clock {
     return t.tv_sec * 1'000'000'000 + t.tv_nsec;
   }
 };
+
+/// From now to the instant, for ppoll(2); none if it has passed.
+inline timespec time_left(MonoTime until) {
+  return to_timespec(std::max(Duration{}, until - SystemClock().now()));
+}
 
 }  // namespace strobe::firmware

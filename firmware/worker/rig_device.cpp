@@ -10,16 +10,12 @@
 #include "firmware/flash_sequencer/tty_line.hpp"
 #include "firmware/linux/gpio_inputs.hpp"
 #include "firmware/linux/gpio_outputs.hpp"
+#include "firmware/linux/rig_lines.hpp"
 #include "firmware/linux/system_clock.hpp"
 
 namespace strobe::firmware {
 
 namespace {
-
-/// In the rig file, before an error.
-std::string port_place(const Rig& rig) {
-  return rig.file_name + ":" + std::to_string(rig.flash_sequencer.port_file_line) + ": sequencer.port: ";
-}
 
 /// Tells the guardian before an output can become active, in whichever turn that is.
 class ToldOutputs final : public OutputLines {
@@ -77,13 +73,13 @@ class SequencerDevice final : public RigDevice {
     link_.emplace(*line_, *heartbeat_, clock);
     if (auto done = link_->connect(kPatience); !done) return line_failure_of(rig_, done.error());
     line_->set_wake(wake);
-    heartbeat_->start(page.loop_heartbeat_ns, rig_.real_time.priority + 1);
     if (!rig_.chip.empty()) {
       auto kernel = GpioInputs::open(witnessed_lines(rig_), kNoWake);
       if (!kernel) return tl::unexpected(kernel.error());
       kernel_ = std::move(*kernel);
       witness_.emplace(*kernel_, *link_);
     }
+    heartbeat_->start(page.loop_heartbeat_ns, rig_.real_time.priority + 1);
     Witness* witness = witness_ ? &*witness_ : nullptr;
     return DevicePorts{
         inputs_.emplace(rig_, *link_, clock, witness), outputs_.emplace(rig_, *link_, clock), {}};
@@ -91,7 +87,7 @@ class SequencerDevice final : public RigDevice {
 
   static constexpr Duration kPatience = milliseconds(2000);
   static tl::unexpected<Error> line_failure_of(const Rig& rig, const Error& error) {
-    return fail(port_place(rig) + error.message);
+    return fail(place(rig, rig.flash_sequencer.port_file_line, "sequencer.port") + error.message);
   }
 
  private:
