@@ -1,7 +1,5 @@
 #include "common/attitude/attitude_spin.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -10,6 +8,7 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <string>
 
 #include "common/attitude/turn.hpp"
 
@@ -291,9 +290,10 @@ std::optional<std::string> unusable(std::span<const TimedAttitude> attitudes, co
     return "the sds of decay and wobble must be 0 or more";
   if (!(search.fastest_spin_radps > 0.0 && std::isfinite(search.fastest_spin_radps)))
     return "the fastest spin must be above 0 rad/s";
-  if (attitudes.size() < 2) return fmt::format("{} attitude: a spin needs two or more", attitudes.size());
+  if (attitudes.size() < 2) return std::to_string(attitudes.size()) + " attitude: a spin needs two or more";
   if (attitudes.size() > kMaxAttitudes)
-    return fmt::format("{} attitudes: at most {} are taken", attitudes.size(), kMaxAttitudes);
+    return std::to_string(attitudes.size()) + " attitudes: at most " + std::to_string(kMaxAttitudes) +
+           " are taken";
   std::vector<double> times;
   for (const TimedAttitude& one : attitudes) {
     if (!std::isfinite(one.time_s) || !one.attitude.allFinite() || !one.covariance_rad2.allFinite() ||
@@ -332,8 +332,8 @@ Result<std::vector<SpinFit>> fit_spin(std::span<const TimedAttitude> attitudes, 
   if (const auto problem = unusable(attitudes, search)) return fail(*problem);
   auto fits = SpinFitter(attitudes, search).run();
   if (fits.empty())
-    return fail(
-        fmt::format("no two attitudes agree with a spin up to {:g} rad/s", search.fastest_spin_radps));
+    return fail("no two attitudes agree with a spin up to " +
+                std::to_string(std::llround(search.fastest_spin_radps)) + " rad/s");
   return fits;
 }
 
