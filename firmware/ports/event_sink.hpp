@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "common/shot/shot_plan.hpp"
@@ -75,9 +76,9 @@ struct LoopStatus {
   MonoTime arm_expires{};
   std::int32_t last_shot_id = 0;
   std::int64_t kernel_overflows = 0;
-  ShortText fault;     ///< the latched fault; empty: none
-  ShortText stop;      ///< the latched stop; empty: none
-  MonoTime restart{};  ///< nothing is armed before, as a stop was reset
+  std::string_view fault;  ///< the latched fault, a static text; empty: none
+  std::string_view stop;   ///< the latched stop, likewise
+  MonoTime restart{};      ///< nothing is armed before, as a stop was reset
 
   bool operator==(const LoopStatus&) const = default;
 };

@@ -140,12 +140,12 @@ double us(Duration d) { return us(static_cast<double>(d.count())); }
 /// Why it cannot be armed or fired now.
 std::string lacking(const StatusParts& parts) {
   const LoopStatus& loop = parts.loop;
-  if (!loop.fault.empty()) return "fault: " + std::string(loop.fault.view());
+  if (!loop.fault.empty()) return "fault: " + std::string(loop.fault);
   if (!parts.journal_fault.empty()) return "the journal cannot be written: " + parts.journal_fault;
   if (loop.estop_active) return "the e-stop is pressed, or its wire is broken";
   if (!loop.key_active) return "the key is off, or its wire is broken";
   if (!loop.stop.empty())
-    return "stopped (" + std::string(loop.stop.view()) + "): a person must give the command to fire anew";
+    return "stopped (" + std::string(loop.stop) + "): a person must give the command to fire anew";
   if (parts.clocks.mono < loop.restart) return "a stop was reset just now: the rig can be armed in a moment";
   return "";
 }
