@@ -108,8 +108,6 @@ constexpr std::uint32_t pio_rx_empty(unsigned machine) { return bit(8 + machine)
 constexpr std::uint32_t kPioAllRxEmpty = 0xf00;                                       ///< likewise
 constexpr std::uint32_t pio_tx_stall(unsigned machine) { return bit(24 + machine); }  ///< of FDEBUG
 constexpr std::uint32_t pio_rx_stall(unsigned machine) { return bit(machine); }       ///< of FDEBUG
-inline constexpr std::uint32_t kPioJoinTx = 1U << 30, kPioJoinRx = 1U << 31, kPioShiftOutRight = 1U << 19,
-                               kPioAutopull = 1U << 17;
 
 inline constexpr Register GPIO_IN{0xd0000004}, GPIO_OUT_SET{0xd0000014}, GPIO_OUT_CLR{0xd0000018},
     GPIO_OE_SET{0xd0000024};

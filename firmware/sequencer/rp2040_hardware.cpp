@@ -18,10 +18,7 @@ constexpr std::array kPolled = {InputLine::key, InputLine::estop, InputLine::xsy
 constexpr std::array kDma = {DmaChannel(0), DmaChannel(1)};  // of the tracks
 constexpr Ticks kCloseToStart = ticks_of_us(150);
 
-constexpr std::uint32_t wrap(unsigned bottom, unsigned top) { return top << 12 | bottom << 7; }
-constexpr std::uint32_t jump_pin(unsigned pin) { return pin << 24; }
-constexpr std::uint32_t out_pins(unsigned first, unsigned count) { return count << 20 | first; }
-constexpr std::uint32_t kPlayerShift = kPioAutopull | kPioShiftOutRight | kPioJoinTx;
+constexpr std::uint32_t kPlayerShift = pio::kAutopull | pio::kShiftOutRight | pio::kJoinTx;
 
 template <std::size_t size>
 void load_program(const PioBlock& pio, const std::array<std::uint16_t, size>& code) {
@@ -38,8 +35,8 @@ void set_machine(const PioBlock& pio, unsigned machine, std::uint32_t exec, std:
 
 /// All outputs of PIO0 driven, and zero.
 void drive_outputs() {
-  PIO0.INSTR(kKeyWatch).write(pio::mov_null(pio::To::pins));
-  PIO0.INSTR(kKeyWatch).write(pio::mov_null(pio::To::osr, true));
+  PIO0.INSTR(kKeyWatch).write(pio::mov(pio::To::pins, pio::From::null));
+  PIO0.INSTR(kKeyWatch).write(pio::mov(pio::To::osr, pio::From::null, true));
   PIO0.INSTR(kKeyWatch).write(pio::out_all(pio::To::pindirs));
   PIO0.INSTR(kLamps).write(pio::set(pio::To::pins, 0));
   PIO0.INSTR(kLamps).write(pio::set(pio::To::pindirs, 1));
@@ -52,12 +49,12 @@ void drive_outputs() {
 void set_up_outputs_pio() {
   using namespace outputs_program;
   load_program(PIO0, kCode);
-  const std::uint32_t lamps = out_pins(kFirstOutputPin + 2, 4) | 1U << 26 | kBurstPin << 5;
-  set_machine(PIO0, kMovers, wrap(0, 31), kPlayerShift, out_pins(kFirstOutputPin, 2));
-  set_machine(PIO0, kLamps, wrap(0, 31), kPlayerShift, lamps);
+  const std::uint32_t lamps = pio::out_pins(kFirstOutputPin + 2, 4) | 1U << 26 | kBurstPin << 5;
+  set_machine(PIO0, kMovers, pio::wrap(0, 31), kPlayerShift, pio::out_pins(kFirstOutputPin, 2));
+  set_machine(PIO0, kLamps, pio::wrap(0, 31), kPlayerShift, lamps);
   for (const auto& [machine, pin] : {std::pair{kEstopWatch, kEstopPin}, std::pair{kKeyWatch, kKeyPin}}) {
-    set_machine(PIO0, machine, wrap(kCut, kCut) | jump_pin(pin), kPioShiftOutRight,
-                out_pins(kFirstOutputPin, kOutputCount));
+    set_machine(PIO0, machine, pio::wrap(kCut, kCut) | pio::jump_pin(pin), pio::kShiftOutRight,
+                pio::out_pins(kFirstOutputPin, kOutputCount));
   }
   drive_outputs();
   for (const unsigned machine : {kEstopWatch, kKeyWatch}) {
@@ -71,8 +68,9 @@ void set_up_stamps_pio() {
   load_program(PIO1, kCode);
   std::uint32_t all = 0;
   for (unsigned machine = 0; machine < 4; ++machine) {
-    set_machine(PIO1, machine, wrap(kLow, kWrapTop) | jump_pin(kStartPin), kPioShiftOutRight | kPioJoinRx, 0);
-    PIO1.INSTR(machine).write(pio::mov_null(pio::To::x, true));
+    set_machine(PIO1, machine, pio::wrap(kLow, kWrapTop) | pio::jump_pin(kStartPin),
+                pio::kShiftOutRight | pio::kJoinRx, 0);
+    PIO1.INSTR(machine).write(pio::mov(pio::To::x, pio::From::null, true));
     PIO1.INSTR(machine).write(pio::jmp(kLow));
     all |= pio_enable(machine) | pio_clkdiv_restart(machine);
   }
@@ -80,7 +78,8 @@ void set_up_stamps_pio() {
 }
 
 void watch_by_stamps(unsigned machine, unsigned pin) {
-  PIO1.EXECCTRL(machine).write(wrap(stamps_program::kLow, stamps_program::kWrapTop) | jump_pin(pin));
+  PIO1.EXECCTRL(machine).write(pio::wrap(stamps_program::kLow, stamps_program::kWrapTop) |
+                               pio::jump_pin(pin));
 }
 
 bool gate_unheard() {
@@ -181,7 +180,7 @@ void Rp2040Hardware::load(std::size_t index, std::span<const Edge> edges, unsign
   DMA_CHAN_ABORT.write(bit(dma.number));
   while ((DMA_CHAN_ABORT.read() & bit(dma.number)) != 0) {
   }
-  PIO0.SHIFTCTRL(index).write(kPlayerShift & ~kPioJoinTx);  // a change empties the FIFO
+  PIO0.SHIFTCTRL(index).write(kPlayerShift & ~pio::kJoinTx);  // a change empties the FIFO
   PIO0.SHIFTCTRL(index).write(kPlayerShift);
   PIO0.CTRL.set(pio_restart(index) | pio_clkdiv_restart(index));
   PIO0.INSTR(index).write(pio::jmp(entry));
@@ -229,7 +228,7 @@ void Rp2040Hardware::keep_gate(bool open) {
     PIO0.CTRL.set(pio_enable(kLamps));
   } else if (gate_unheard()) {
     PIO0.CTRL.clear(pio_enable(kLamps));
-    PIO0.INSTR(kLamps).write(pio::mov_null(pio::To::pins));  // of an edge that came in between
+    PIO0.INSTR(kLamps).write(pio::mov(pio::To::pins, pio::From::null));  // of an edge that came in between
     PIO0.INSTR(kLamps).write(pio::jmp(outputs_program::kListen));
     PIO0.INSTR(kLamps).write(pio::set(pio::To::pins, 0));
     take_stamps();
