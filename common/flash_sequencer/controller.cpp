@@ -247,10 +247,9 @@ void Controller::end_train() {
   for (Loaded& track : tracks_) track.clear();
 }
 
+/// Without a cut and a release, which would forget what key or e-stop did meanwhile.
 void Controller::disarm() {
-  if (const CutCause cause = hardware_.cut_by_itself(); cause != CutCause::none) return cut(cause);
-  hardware_.cut();  // gives the tracks back
-  if (!hardware_.release()) return cut(hardware_.cut_by_itself());
+  hardware_.prepare({}, {});
   end_train();
 }
 

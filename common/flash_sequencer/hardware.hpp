@@ -20,7 +20,7 @@ class Hardware {
   virtual ~Hardware() = default;
   virtual Ticks now() = 0;
   /// Gets the tracks ready to be played; they stay where they are, and belong to the hardware until cut() or
-  /// the end of the train.
+  /// the end of the train; empty ones give back those that were not started.
   virtual void prepare(std::span<Edge> movers, std::span<Edge> lamps) = 0;
   /// Plays both tracks from that instant on, the lamps' by the gate's next active edge if gated. After
   /// prepare().

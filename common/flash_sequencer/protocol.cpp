@@ -6,34 +6,35 @@
 namespace strobe::flash_sequencer {
 namespace {
 
-template <typename Kind>
-Frame frame_of(Kind kind) {
-  Frame frame;
-  frame.kind = static_cast<std::uint8_t>(kind);
-  return frame;
-}
+/// Writes a body's fields.
+class Writer {
+ public:
+  explicit Writer(Frame& frame) : frame_(frame) {}
 
-template <typename Value>
-void put(Frame& frame, Value value) {
-  if constexpr (std::is_enum_v<Value>) {
-    put(frame, static_cast<std::underlying_type_t<Value>>(value));
-  } else {
-    const auto bits = static_cast<std::make_unsigned_t<Value>>(value);
-    for (std::size_t i = 0; i < sizeof bits; ++i) {
-      frame.body[frame.size++] = static_cast<std::uint8_t>(bits >> (8 * i));
+  template <typename Value, typename... Range>
+  void operator()(Value value, Range...) {
+    if constexpr (std::is_enum_v<Value>) {
+      (*this)(static_cast<std::underlying_type_t<Value>>(value));
+    } else {
+      const auto bits = static_cast<std::make_unsigned_t<Value>>(value);
+      for (std::size_t i = 0; i < sizeof bits; ++i) {
+        frame_.body[frame_.size++] = static_cast<std::uint8_t>(bits >> (8 * i));
+      }
     }
   }
-}
+  bool has_edge(std::size_t index, std::uint16_t& count) const { return index < count; }
 
-/// Reads a body from its beginning; fails once something is missing or not one of its values.
-class Body {
+ private:
+  Frame& frame_;
+};
+
+/// Reads them; fails once something is missing or not one of its values.
+class Reader {
  public:
-  template <typename Kind>
-  Body(const Frame& frame, Kind kind)
-      : bytes_(frame.bytes()), good_(frame.kind == static_cast<std::uint8_t>(kind)) {}
+  explicit Reader(const Frame& frame) : bytes_(frame.bytes()) {}
 
   template <typename Value>
-  void get(Value& value) {
+  void operator()(Value& value) {
     good_ = good_ && bytes_.size() >= sizeof(Value);
     if (!good_) return;
     std::make_unsigned_t<Value> bits = 0;
@@ -45,28 +46,117 @@ class Body {
     value = static_cast<Value>(bits);
   }
   template <typename Value>
-  void get(Value& value, Value last, std::uint8_t first = 0) {
+  void operator()(Value& value, Value last, std::uint8_t first = 0) {
     std::uint8_t raw = 0;
-    get(raw);
+    (*this)(raw);
     good_ = good_ && raw >= first && raw <= static_cast<std::uint8_t>(last);
     if (good_) value = static_cast<Value>(raw);
   }
-  std::size_t left() const { return good_ ? bytes_.size() : 0; }
-
-  template <typename Value>
-  std::optional<Value> whole(const Value& value) const {
-    return good_ && bytes_.empty() ? std::optional(value) : std::nullopt;
+  bool has_edge(std::size_t index, std::uint16_t& count) const {
+    if (!good_ || bytes_.empty() || index == Load::kMaxEdges) return false;
+    ++count;
+    return true;
   }
+  bool whole() const { return good_ && bytes_.empty(); }
 
  private:
   std::span<const std::uint8_t> bytes_;
-  bool good_;
+  bool good_ = true;
 };
 
 static_assert(3 + Load::kMaxEdges * 8 <= kMaxBody);
 
 constexpr auto kLastRequest = Request::reset;
 constexpr auto kFirstRequest = static_cast<std::uint8_t>(Request::hello);
+
+// The fields of each body in their order, with the range of those that have one; to a Writer or a Reader.
+
+template <typename Body>
+void fields(Body& body, Limits& limits) {
+  for (std::uint32_t& max_on_us : limits.max_on_us) body(max_on_us);
+}
+
+template <typename Body>
+void fields(Body& body, Load& load) {
+  body(load.track, Track::lamps);
+  body(load.first);
+  for (std::size_t i = 0; body.has_edge(i, load.count); ++i) {
+    body(load.edges[i].delay);
+    body(load.edges[i].levels);
+  }
+}
+
+template <typename Body>
+void fields(Body& body, Arm& arm) {
+  for (std::uint16_t& edges : arm.edges) body(edges);
+  body(arm.crc);
+  body(arm.gated, std::uint8_t{1});
+}
+
+template <typename Body>
+void fields(Body& body, Start& start) {
+  body(start.challenge);
+  body(start.at);
+  body(start.gate_from);
+  body(start.gate_until);
+}
+
+template <typename Body>
+void fields(Body& body, Identity& identity) {
+  body(identity.version);
+  body(identity.boot);
+  body(identity.reset_by_watchdog);
+  body(identity.max_edges);
+}
+
+template <typename Body>
+void fields(Body& body, Status& status) {
+  body(status.answers, kLastRequest, kFirstRequest);
+  body(status.refusal, Refusal::too_late);
+  body(status.phase, Phase::cut);
+  body(status.cut, CutCause::overrun);
+  body(status.inputs);
+  body(status.outputs);
+  body(status.challenge);
+  body(status.received);
+  body(status.started);
+  body(status.burst_started);
+  for (std::uint16_t& played : status.played) body(played);
+  body(status.lost_inputs);
+  body(status.next_input);
+}
+
+template <typename Body>
+void fields(Body& body, InputEdge& edge) {
+  body(edge.number);
+  body(edge.line, InputLine::xsync);
+  body(edge.active, std::uint8_t{1});
+  body(edge.time);
+}
+
+/// HELLO's.
+template <typename Body>
+void fields(Body& body, std::uint8_t& version) {
+  body(version);
+}
+
+template <typename Kind, typename Value>
+Frame written(Kind kind, Value value) {
+  Frame frame;
+  frame.kind = static_cast<std::uint8_t>(kind);
+  Writer writer(frame);
+  fields(writer, value);
+  return frame;
+}
+
+template <typename Value, typename Kind>
+std::optional<Value> read(const Frame& frame, Kind kind) {
+  if (frame.kind != static_cast<std::uint8_t>(kind)) return std::nullopt;
+  Value value{};
+  Reader reader(frame);
+  fields(reader, value);
+  return reader.whole() ? std::optional(value) : std::nullopt;
+}
 
 }  // namespace
 
@@ -82,164 +172,28 @@ std::uint32_t train_crc(std::span<const Edge> movers, std::span<const Edge> lamp
 }
 
 Frame to_frame(Request request) {
-  Frame frame = frame_of(request);
-  if (request == Request::hello) put(frame, kVersion);
+  if (request == Request::hello) return written(request, kVersion);
+  Frame frame;
+  frame.kind = static_cast<std::uint8_t>(request);
   return frame;
 }
-
-Frame to_frame(const Limits& limits) {
-  Frame frame = frame_of(Request::limits);
-  for (const std::uint32_t max_on_us : limits.max_on_us) put(frame, max_on_us);
-  return frame;
-}
-
-Frame to_frame(const Load& load) {
-  Frame frame = frame_of(Request::load);
-  put(frame, load.track);
-  put(frame, load.first);
-  for (std::size_t i = 0; i < load.count; ++i) {
-    put(frame, load.edges[i].delay);
-    put(frame, load.edges[i].levels);
-  }
-  return frame;
-}
-
-Frame to_frame(const Arm& arm) {
-  Frame frame = frame_of(Request::arm);
-  for (const std::uint16_t edges : arm.edges) put(frame, edges);
-  put(frame, arm.crc);
-  put(frame, arm.gated);
-  return frame;
-}
-
-Frame to_frame(const Start& start) {
-  Frame frame = frame_of(Request::start);
-  put(frame, start.challenge);
-  put(frame, start.at);
-  put(frame, start.gate_from);
-  put(frame, start.gate_until);
-  return frame;
-}
-
-Frame to_frame(const Identity& identity) {
-  Frame frame = frame_of(Reply::identity);
-  put(frame, identity.version);
-  put(frame, identity.boot);
-  put(frame, identity.reset_by_watchdog);
-  put(frame, identity.max_edges);
-  return frame;
-}
-
-Frame to_frame(const Status& status) {
-  Frame frame = frame_of(Reply::status);
-  put(frame, status.answers);
-  put(frame, status.refusal);
-  put(frame, status.phase);
-  put(frame, status.cut);
-  put(frame, status.inputs);
-  put(frame, status.outputs);
-  put(frame, status.challenge);
-  put(frame, status.received);
-  put(frame, status.started);
-  put(frame, status.burst_started);
-  for (const std::uint16_t played : status.played) put(frame, played);
-  put(frame, status.lost_inputs);
-  put(frame, status.next_input);
-  return frame;
-}
-
-Frame to_frame(const InputEdge& edge) {
-  Frame frame = frame_of(Reply::input);
-  put(frame, edge.number);
-  put(frame, edge.line);
-  put(frame, edge.active);
-  put(frame, edge.time);
-  return frame;
-}
+Frame to_frame(const Limits& limits) { return written(Request::limits, limits); }
+Frame to_frame(const Load& load) { return written(Request::load, load); }
+Frame to_frame(const Arm& arm) { return written(Request::arm, arm); }
+Frame to_frame(const Start& start) { return written(Request::start, start); }
+Frame to_frame(const Identity& identity) { return written(Reply::identity, identity); }
+Frame to_frame(const Status& status) { return written(Reply::status, status); }
+Frame to_frame(const InputEdge& edge) { return written(Reply::input, edge); }
 
 std::optional<std::uint8_t> read_hello(const Frame& frame) {
-  Body body(frame, Request::hello);
-  std::uint8_t version = 0;
-  body.get(version);
-  return body.whole(version);
+  return read<std::uint8_t>(frame, Request::hello);
 }
-
-std::optional<Limits> read_limits(const Frame& frame) {
-  Body body(frame, Request::limits);
-  Limits limits;
-  for (std::uint32_t& max_on_us : limits.max_on_us) body.get(max_on_us);
-  return body.whole(limits);
-}
-
-std::optional<Load> read_load(const Frame& frame) {
-  Body body(frame, Request::load);
-  Load load;
-  body.get(load.track, Track::lamps);
-  body.get(load.first);
-  while (body.left() > 0 && load.count < Load::kMaxEdges) {
-    Edge& edge = load.edges[load.count++];
-    body.get(edge.delay);
-    body.get(edge.levels);
-  }
-  return body.whole(load);
-}
-
-std::optional<Arm> read_arm(const Frame& frame) {
-  Body body(frame, Request::arm);
-  Arm arm;
-  for (std::uint16_t& edges : arm.edges) body.get(edges);
-  body.get(arm.crc);
-  body.get(arm.gated, std::uint8_t{1});
-  return body.whole(arm);
-}
-
-std::optional<Start> read_start(const Frame& frame) {
-  Body body(frame, Request::start);
-  Start start;
-  body.get(start.challenge);
-  body.get(start.at);
-  body.get(start.gate_from);
-  body.get(start.gate_until);
-  return body.whole(start);
-}
-
-std::optional<Identity> read_identity(const Frame& frame) {
-  Body body(frame, Reply::identity);
-  Identity identity;
-  body.get(identity.version);
-  body.get(identity.boot);
-  body.get(identity.reset_by_watchdog);
-  body.get(identity.max_edges);
-  return body.whole(identity);
-}
-
-std::optional<Status> read_status(const Frame& frame) {
-  Body body(frame, Reply::status);
-  Status status;
-  body.get(status.answers, kLastRequest, kFirstRequest);
-  body.get(status.refusal, Refusal::too_late);
-  body.get(status.phase, Phase::cut);
-  body.get(status.cut, CutCause::overrun);
-  body.get(status.inputs);
-  body.get(status.outputs);
-  body.get(status.challenge);
-  body.get(status.received);
-  body.get(status.started);
-  body.get(status.burst_started);
-  for (std::uint16_t& played : status.played) body.get(played);
-  body.get(status.lost_inputs);
-  body.get(status.next_input);
-  return body.whole(status);
-}
-
-std::optional<InputEdge> read_input(const Frame& frame) {
-  Body body(frame, Reply::input);
-  InputEdge edge;
-  body.get(edge.number);
-  body.get(edge.line, InputLine::xsync);
-  body.get(edge.active, std::uint8_t{1});
-  body.get(edge.time);
-  return body.whole(edge);
-}
+std::optional<Limits> read_limits(const Frame& frame) { return read<Limits>(frame, Request::limits); }
+std::optional<Load> read_load(const Frame& frame) { return read<Load>(frame, Request::load); }
+std::optional<Arm> read_arm(const Frame& frame) { return read<Arm>(frame, Request::arm); }
+std::optional<Start> read_start(const Frame& frame) { return read<Start>(frame, Request::start); }
+std::optional<Identity> read_identity(const Frame& frame) { return read<Identity>(frame, Reply::identity); }
+std::optional<Status> read_status(const Frame& frame) { return read<Status>(frame, Reply::status); }
+std::optional<InputEdge> read_input(const Frame& frame) { return read<InputEdge>(frame, Reply::input); }
 
 }  // namespace strobe::flash_sequencer

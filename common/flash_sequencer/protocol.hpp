@@ -19,7 +19,7 @@
 
 namespace strobe::flash_sequencer {
 
-inline constexpr std::uint8_t kVersion = 1;
+inline constexpr std::uint8_t kVersion = 2;
 
 /// The sequencer's clock since it was started, in steps of kTick_ns.
 using Ticks = std::int64_t;
@@ -29,6 +29,10 @@ constexpr Ticks ticks_of_us(std::int64_t us) { return us * 1000 / kTick_ns; }
 
 /// Without a beat for so long, whatever is armed or playing is cut.
 inline constexpr Ticks kHeartbeatTimeout = ticks_of_us(15'000);
+
+/// No reply begins earlier than so long after its request's last byte, and one to an idle sequencer's beat
+/// not much later: by it the clocks are related.
+inline constexpr Ticks kReplyAfter = ticks_of_us(100);
 
 /// Of Edge::levels and Levels::outputs: 1 << line.
 enum class OutputLine : std::uint8_t { shutter, trigger, strobe_a, strobe_b, auxiliary_a, auxiliary_b };

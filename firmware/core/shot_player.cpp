@@ -276,7 +276,9 @@ void ShotPlayer::close() noexcept {
 void ShotPlayer::gate(MonoTime stamp) noexcept {
   assert(!known(record_->trigger) || gate_counts_from_ == record_->trigger);
   const bool is_the_ball = known(gate_counts_from_) && stamp >= gate_counts_from_;
-  if (phase_ != Phase::playing || !is_the_ball || known(record_->gate)) return;
+  // Of a shot that is being cut the burst may have begun.
+  const bool cutting = phase_ == Phase::closing && outputs_.any_active();
+  if ((phase_ != Phase::playing && !cutting) || !is_the_ball || known(record_->gate)) return;
   record_->gate = stamp;
   if (!schedule_.gated) return;
   const Duration first = stamp + record_->plan.gate_delay - record_->start;

@@ -11,10 +11,23 @@ using flash_sequencer::Ticks;
 
 namespace {
 
-/// Of a width within which all is equally probable.
-double uniform_variance(double width) { return width * width / 12.0; }
+/// Of a beta distribution on that width, its mean at that share of it; its parameters are 2 together.
+double beta_variance(double width, double mean) { return width * width * mean * (1.0 - mean) / 3.0; }
 
 }  // namespace
+
+void ClockRelation::Scatter::add(double above_ns) noexcept {
+  constexpr int kBeats = 128;
+  constexpr double kLongest_ns = 100e3;  // a stall says nothing of what is usual
+  if (count < kBeats) ++count;
+  mean_ns += (std::min(above_ns, kLongest_ns) - mean_ns) / count;
+}
+
+/// Of the width between the bounds, what the requests take of it.
+double ClockRelation::request_share() const noexcept {
+  const double requests_ns = kStampSd_ns + requests_.mean_ns;
+  return requests_ns / (requests_ns + kStampSd_ns + replies_.mean_ns);
+}
 
 /// Without the drift: as it would be at the reference, relative to it.
 double ClockRelation::level(const Bound& bound) const noexcept {
@@ -42,15 +55,18 @@ void ClockRelation::observe(MonoTime not_before, Ticks ticks, MonoTime not_after
     if (level(lower) > level(bucket.lower)) bucket.lower = lower;
     if (level(upper) < level(bucket.upper)) bucket.upper = upper;
   }
+  requests_.add(level(bucket.lower) - level(lower));
+  replies_.add(level(upper) - level(bucket.upper));
   if (!known_) reference_ = {at_ns, lower.offset_ns + (upper.offset_ns - lower.offset_ns) / 2};
   known_ = true;
   newest_ = number;
   fit();
 }
 
-/// Of offset = a + b (t - t0), by the normal equations; the new slope changes the middles a little.
+/// Of offset = a + b (t - t0), by the normal equations; the new slope changes the points a little.
 void ClockRelation::fit() noexcept {
   constexpr int kRounds = 2;
+  const double share = request_share();
   const Bound old = reference_;
   reference_.at_ns = newest_ * kBucket_ns + kBucket_ns / 2;
   reference_.offset_ns += std::llround(slope_ * static_cast<double>(reference_.at_ns - old.at_ns));
@@ -64,13 +80,13 @@ void ClockRelation::fit() noexcept {
       least_width = std::min(least_width, width);
       const double at = 0.5 * static_cast<double>((bucket.lower.at_ns - reference_.at_ns) +
                                                   (bucket.upper.at_ns - reference_.at_ns));
-      const double middle = 0.5 * (lower + upper) + slope_ * at;
-      const double weight = 1.0 / (uniform_variance(width) + kBucketSd_ns * kBucketSd_ns);
+      const double point = lower + share * (upper - lower) + slope_ * at;
+      const double weight = 1.0 / (beta_variance(width, share) + kBucketSd_ns * kBucketSd_ns);
       weights += weight;
       times += weight * at;
       squares += weight * at * at;
-      offsets += weight * middle;
-      products += weight * at * middle;
+      offsets += weight * point;
+      products += weight * at * point;
     }
     squares += 1.0 / (kDriftSd * kDriftSd);
     const double determinant = weights * squares - times * times;
@@ -79,7 +95,7 @@ void ClockRelation::fit() noexcept {
     variance_ns2_ = squares / determinant;
     covariance_ns_ = -times / determinant;
     slope_variance_ = weights / determinant;
-    common_variance_ns2_ = uniform_variance(least_width) + kStampSd_ns * kStampSd_ns;
+    common_variance_ns2_ = beta_variance(least_width, share) + kStampSd_ns * kStampSd_ns;
   }
 }
 

@@ -3,13 +3,15 @@
 // when that is, between the earliest end of its transmission and the latest begin of the reply's.
 //
 // Of each quarter of a second the latest begin and the earliest end count, so that delays of either way (a
-// busy machine, a stall) matter only if all have them; a straight line is fitted to the middles of the last
-// four seconds, by least squares with weights, and with what crystals may do as prior of its slope. What all
-// requests or all replies take at least cannot be told apart from the clocks' offset: it is in the standard
-// deviation.
+// busy machine, a stall) matter only if all have them. What all requests or all replies take at least cannot
+// be told apart from the clocks' offset; but a way whose delays scatter little has a short least one. So the
+// width that is left between the two is divided as the ways' scatter is, and taken for a beta distribution of
+// that mean (for equal scatter the uniform one). A straight line is fitted to those points of the last four
+// seconds, by least squares with weights, and with what crystals may do as prior of its slope.
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "common/flash_sequencer/protocol.hpp"
 #include "common/units/time.hpp"
@@ -37,6 +39,7 @@ class ClockRelation {
   /// Of to_time(): one standard deviation.
   Duration sd(flash_sequencer::Ticks ticks) const noexcept;
   double drift() const noexcept { return slope_; }  ///< of CLOCK_MONOTONIC against it: 1e-6 is 1 ppm
+  double drift_sd() const noexcept { return known_ ? std::sqrt(slope_variance_) : kDriftSd; }
 
  private:
   static constexpr std::int64_t kBucket_ns = 250'000'000;
@@ -54,11 +57,20 @@ class ClockRelation {
     Bound lower, upper;
   };
 
+  /// Of a way's delays above the least one of their quarter of a second: the mean of late.
+  struct Scatter {
+    double mean_ns = 0.0;
+    int count = 0;
+    void add(double above_ns) noexcept;
+  };
+
   double level(const Bound& bound) const noexcept;
+  double request_share() const noexcept;
   bool contradicted(const Bound& lower, const Bound& upper) const noexcept;
   void fit() noexcept;
 
   std::array<Bucket, kBuckets> buckets_;
+  Scatter requests_, replies_;
   bool known_ = false;
   std::int64_t newest_ = 0;  ///< bucket
   Bound reference_;          ///< the line's offsets are relative to it

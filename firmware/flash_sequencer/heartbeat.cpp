@@ -1,6 +1,5 @@
 #include "firmware/flash_sequencer/heartbeat.hpp"
 
-#include <algorithm>
 #include <ctime>
 
 #include "common/flash_sequencer/protocol.hpp"
@@ -18,18 +17,21 @@ constexpr int kWatched = 4;
 
 void Heartbeat::beat() noexcept {
   flash_sequencer::Frame frame = flash_sequencer::to_frame(flash_sequencer::Request::beat);
-  frame.number = next_;
-  next_ = next_ == 255 ? kFirstNumber : static_cast<std::uint8_t>(next_ + 1);
+  frame.number = static_cast<std::uint8_t>(kFirstNumber + beats_++ % (256 - kFirstNumber));
   Sent& sent = sent_[frame.number - kFirstNumber];
   const std::int64_t size = sent_size(frame);
   const MonoTime before = clock_.now();
+  beaten_ns_ = to_ns(before);
   sent.not_after_ns.store(0, std::memory_order_relaxed);
-  sent.not_before_ns.store(to_ns(before + size * kByteTime), std::memory_order_release);
+  const bool counts = !line_tells_ || frame.number % kWatched == 0;
+  sent.not_before_ns.store(counts ? to_ns(before + size * line_.pace().byte) : 0, std::memory_order_release);
   if (!send(line_, frame) || frame.number % kWatched != 0) return;  // one that is lost is followed by others
   const auto left = line_.departure(size, before, clock_.now());
+  if (!left) return;
   // The answer comes later than this.
-  if (left) sent.not_before_ns.store(to_ns(left->not_before), std::memory_order_relaxed);
-  if (left) sent.not_after_ns.store(to_ns(left->not_after), std::memory_order_release);
+  line_tells_ = true;
+  sent.not_before_ns.store(to_ns(left->not_before), std::memory_order_relaxed);
+  sent.not_after_ns.store(to_ns(left->not_after), std::memory_order_release);
 }
 
 std::optional<SerialLine::Departure> Heartbeat::departure(std::uint8_t number) const noexcept {
@@ -42,24 +44,39 @@ std::optional<SerialLine::Departure> Heartbeat::departure(std::uint8_t number) c
                                not_after_ns == 0 ? MonoTime::max() : from_ns(not_after_ns)};
 }
 
-void Heartbeat::start(const std::atomic<std::int64_t>& loop_turned_ns, int priority) {
-  thread_ = std::thread([this, &loop_turned_ns, priority] { run(loop_turned_ns, priority); });
+void Heartbeat::start(const std::atomic<std::int64_t>& loop_turned_ns, int priority, int loop_cpu) {
+  const auto begin = [&](int cpu, Duration after) {
+    return std::thread([this, &loop_turned_ns, priority, cpu, after] {
+      // What is wrong with the rights is told of the loop's.
+      pin_to_cpu(cpu);
+      become_real_time(priority);
+      prefault_stack();
+      run(loop_turned_ns, after);
+    });
+  };
+  threads_[0] = begin(-1, kEvery);
+  if (loop_cpu >= 0) threads_[1] = begin(loop_cpu, kLate);
 }
 
 void Heartbeat::stop() noexcept {
   stop_ = true;
-  if (thread_.joinable()) thread_.join();
+  for (std::thread& thread : threads_)
+    if (thread.joinable()) thread.join();
 }
 
-void Heartbeat::run(const std::atomic<std::int64_t>& loop_turned_ns, int priority) noexcept {
-  become_real_time(priority);  // what is wrong with the rights is told of the loop's
-  prefault_stack();
-  for (MonoTime next = clock_.now(); !stop_; next = std::max(next + kEvery, clock_.now())) {
+/// Beats so long after the newest beat, whosever that was.
+void Heartbeat::run(const std::atomic<std::int64_t>& loop_turned_ns, Duration after) noexcept {
+  while (!stop_) {
+    const MonoTime now = clock_.now();
+    const std::int64_t turned_ns = loop_turned_ns.load(std::memory_order_relaxed);
+    const bool hangs = turned_ns != 0 && now - from_ns(turned_ns) > kLoopHangs;
+    MonoTime next = from_ns(beaten_ns_.load()) + after;
+    if (next <= now) {
+      if (!hangs) beat();
+      next = now + after;
+    }
     const timespec until = to_timespec(next.time_since_epoch());
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
-    const std::int64_t turned_ns = loop_turned_ns.load(std::memory_order_relaxed);
-    const bool hangs = turned_ns != 0 && clock_.now() - from_ns(turned_ns) > kLoopHangs;
-    if (!hangs) beat();
   }
 }
 

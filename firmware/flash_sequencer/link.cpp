@@ -148,7 +148,8 @@ void FlashSequencerLink::hear(const Status& status, const Frame& frame, MonoTime
   expect_edge(status.next_input);
   if (status.answers != Request::beat) return answered(frame.number, status);
   if (const auto beat = heartbeat_.departure(frame.number)) {
-    const MonoTime answered_by = heard - heard_size(frame) * kByteTime;
+    const SerialLine::Pace pace = line_.pace();
+    const MonoTime answered_by = heard - heard_size(frame) * pace.byte - pace.reply;
     relation_.observe(beat->not_before, status.received, std::min(beat->not_after, answered_by));
   }
 }

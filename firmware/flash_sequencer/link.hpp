@@ -71,6 +71,10 @@ class FlashSequencerLink {
   /// Whether the sequencer was started anew since the last call of this.
   bool take_reset() noexcept { return std::exchange(was_reset_, false); }
 
+  /// Of its newest start, as it last said: its program hung, and the watchdog started it anew. Valid:
+  /// connect() succeeded, and no reset since.
+  bool reset_by_watchdog() const noexcept { return identity_ && identity_->reset_by_watchdog != 0; }
+
   /// Levels as the newest status or edge tells: bits of InputLine.
   std::uint8_t inputs() const noexcept { return inputs_; }
   /// The oldest edge that was not taken; in order of their coming.

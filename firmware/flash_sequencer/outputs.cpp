@@ -233,7 +233,7 @@ void FlashSequencerOutputs::add(std::size_t first) noexcept { first_of_burst_ = 
 // ---- playing ----
 
 void FlashSequencerOutputs::tell(Listener& listener) noexcept {
-  if (step_ == Step::playing)
+  if (step_ == Step::playing || (step_ == Step::cutting && is_cut()))
     while (tell_next(listener)) continue;
 }
 
@@ -242,6 +242,7 @@ void FlashSequencerOutputs::run(Listener& listener) noexcept {
   look();
   if (failure_ == kWasReset && under_way()) return give_up(listener, kWasReset);
   if (step_ == Step::cutting && is_cut()) {
+    if (link_.has_edges()) return;         // one may be the gate's
     while (tell_next(listener)) continue;  // what was played before it was cut
     return end();
   }

@@ -13,7 +13,7 @@
 namespace strobe::firmware {
 
 /// What is issued has start and end alike: the sequencer's stamp. Allocates in its constructor only.
-class FlashSequencerOutputs final : public ScheduledOutputs {
+class FlashSequencerOutputs : public ScheduledOutputs {
  public:
   /// Outputs that the sequencer does not say to be inactive so long after it was asked to cut them are
   /// broken. Time in which the loop did not turn does not count.

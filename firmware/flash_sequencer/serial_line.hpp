@@ -11,11 +11,20 @@
 
 namespace strobe::firmware {
 
+/// A start bit, eight bits, a stop bit.
+inline constexpr Duration kByteTime = microseconds(10);
+inline constexpr Duration kReplyAfter{flash_sequencer::kReplyAfter * flash_sequencer::kTick_ns};
+
 /// Real-time safe but for the sleep that wait() is. write() and departure() from any thread, write() also
 /// from another process and a signal handler: no allocation, no lock. The rest is one thread's.
 class SerialLine {
  public:
   virtual ~SerialLine() = default;
+  /// What a byte takes on its way, and between a request and its reply passes at least.
+  struct Pace {
+    Duration byte, reply;
+  };
+  virtual Pace pace() const noexcept { return {kByteTime, kReplyAfter}; }
   /// Hands all bytes over in one call, so that those of two threads do not mix. Returns false if there was no
   /// room for all of them, or the line is gone.
   virtual bool write(std::span<const std::uint8_t> bytes) noexcept = 0;
@@ -43,9 +52,6 @@ inline bool send(SerialLine& line, const flash_sequencer::Frame& frame) noexcept
       flash_sequencer::encode(frame, std::span(wire).subspan<1, flash_sequencer::kMaxFrame>());
   return line.write(std::span(wire).first(1 + size));
 }
-
-/// A start bit, eight bits, a stop bit.
-inline constexpr Duration kByteTime = microseconds(10);
 
 /// Bytes of a frame as send() writes it; without the zero before it, as the sequencer does.
 constexpr std::int64_t sent_size(const flash_sequencer::Frame& frame) { return frame.size + 9; }

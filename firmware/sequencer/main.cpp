@@ -21,14 +21,18 @@ void send(Uart& uart, const Frame& frame) {
   uart.send(std::span(wire).first(encode(frame, wire)));
 }
 
-/// One request at most, so that what guards the outputs is never far.
-void receive(Uart& uart, Decoder& decoder, Rp2040Hardware& hardware, Controller& controller) {
+/// One request at most, so that what guards the outputs is never far. Its reply leaves at `send_from`.
+void receive(Uart& uart, Decoder& decoder, Rp2040Hardware& hardware, Controller& controller,
+             Ticks& send_from) {
   Uart::Received received;
   while (uart.take(received)) {
     const Frame* const request = decoder.take(received.byte);
     if (request == nullptr) continue;
+    const Ticks at = hardware.ticks_of(received.timer_us);
     Frame reply;
-    if (controller.answer(*request, hardware.ticks_of(received.timer_us), reply)) send(uart, reply);
+    if (!controller.answer(*request, at, reply)) return;
+    send(uart, reply);
+    send_from = at + kReplyAfter;
     return;
   }
 }
@@ -56,13 +60,13 @@ Object& make_forever(Arguments&&... arguments) {
   if (!hardware.start()) hang();  // cut, until the watchdog tries again
   const std::uint64_t boot = std::uint64_t{random_bits()} << 32 | random_bits();
   auto& controller = make_forever<Controller>(hardware, boot, by_watchdog);
-  for (;;) {
+  for (Ticks send_from = 0;;) {
     hardware.poll();
     controller.turn();
-    receive(uart, decoder, hardware, controller);
+    receive(uart, decoder, hardware, controller, send_from);
     Frame report;
     if (uart.has_room_for(2 * kMaxFrame) && controller.next_input(report)) send(uart, report);
-    uart.pump();
+    if (hardware.now() >= send_from) uart.pump();
     const bool ready = controller.phase() == Phase::armed || controller.phase() == Phase::playing;
     (ready ? GPIO_OUT_SET : GPIO_OUT_CLR).write(bit(kLedPin));
     feed_watchdog();

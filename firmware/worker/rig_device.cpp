@@ -79,7 +79,7 @@ class SequencerDevice final : public RigDevice {
       kernel_ = std::move(*kernel);
       witness_.emplace(*kernel_, *link_);
     }
-    heartbeat_->start(page.loop_heartbeat_ns, rig_.real_time.priority + 1);
+    heartbeat_->start(page.loop_heartbeat_ns, rig_.real_time.priority + 1, rig_.real_time.cpu);
     Witness* witness = witness_ ? &*witness_ : nullptr;
     return DevicePorts{
         inputs_.emplace(rig_, *link_, clock, witness), outputs_.emplace(rig_, *link_, clock), {}};

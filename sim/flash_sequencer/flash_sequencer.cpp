@@ -14,9 +14,9 @@ namespace {
 using flash_sequencer::Frame;
 using flash_sequencer::Phase;
 
-constexpr Duration kByteTime = microseconds(10);    // 8N1 at 1,000,000 baud
-constexpr Duration kAnswerTime = microseconds(20);  // of the microcontroller's program
-constexpr Duration kTurn = milliseconds(1);         // it looks after its train
+constexpr Duration kByteTime = microseconds(10);  // 8N1 at 1,000,000 baud
+constexpr Duration kReplyAfter{flash_sequencer::kReplyAfter * flash_sequencer::kTick_ns};
+constexpr Duration kTurn = milliseconds(1);  // it looks after its train
 constexpr Duration kIdle = milliseconds(100);
 constexpr int kPriority = 90;  // above strobed's loop
 constexpr std::size_t kMaxBacklog_bytes = 1 << 16;
@@ -142,10 +142,9 @@ void FlashSequencer::line_changed(const Change& change) {
 }
 
 void FlashSequencer::take_bytes(MonoTime now) {
-  std::array<std::uint8_t, 1024> taken;
-  while (const std::size_t count = terminal_->read(taken)) {
-    incoming_free_ = std::max(incoming_free_, terminal_->written(now));
-    for (const std::uint8_t byte : std::span(taken).first(count)) {
+  while (const auto written = terminal_->read()) {
+    incoming_free_ = std::max(incoming_free_, std::min(now, written->at));
+    for (const std::uint8_t byte : written->bytes) {
       incoming_free_ += kByteTime;
       if (controller_ && plugged_in_ && bytes_.size() < kMaxBacklog_bytes)
         bytes_.push_back({incoming_free_, on_the_way(byte)});
@@ -160,14 +159,14 @@ void FlashSequencer::answer_requests(MonoTime now) {
     const Frame* const request = decoder_.take(byte.value);
     Frame reply;
     if (request != nullptr && controller_->answer(*request, board_.ticks(byte.arrived), reply))
-      send(reply, now);
+      send(reply, byte.arrived + kReplyAfter);
   }
 }
 
-void FlashSequencer::send(const Frame& frame, MonoTime now) {
+void FlashSequencer::send(const Frame& frame, MonoTime begin) {
   std::array<std::uint8_t, flash_sequencer::kMaxFrame> wire;
   const std::size_t size = flash_sequencer::encode(frame, wire);
-  outgoing_free_ = std::max(outgoing_free_, now + kAnswerTime) + static_cast<Duration::rep>(size) * kByteTime;
+  outgoing_free_ = std::max(outgoing_free_, begin) + static_cast<Duration::rep>(size) * kByteTime;
   replies_.push_back({outgoing_free_, {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(size)}});
 }
 

@@ -69,7 +69,7 @@ class FlashSequencer {
   void line_changed(const Change& change);
   void take_bytes(MonoTime now);
   void answer_requests(MonoTime now);
-  void send(const flash_sequencer::Frame& frame, MonoTime now);
+  void send(const flash_sequencer::Frame& frame, MonoTime begin);
   void deliver(MonoTime now);
   std::uint8_t on_the_way(std::uint8_t byte);
   void move_pins();

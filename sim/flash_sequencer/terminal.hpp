@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "common/result.hpp"
 #include "sim/gpiochip/chip.hpp"
@@ -20,11 +22,13 @@ class Terminal {
   Terminal& operator=(Terminal&&) = delete;
   ~Terminal();
 
-  int descriptor() const { return master_; }  ///< to be polled
-  /// What has come; as many as there are, up to its room. The number of bytes.
-  std::size_t read(std::span<std::uint8_t> bytes);
-  /// When that was written, at most `now`.
-  MonoTime written(MonoTime now) const;
+  int descriptor() const { return written_; }  ///< to be polled
+  /// What a program wrote at once, and when, however late it is read: the oldest that has come.
+  struct Written {
+    MonoTime at;
+    std::vector<std::uint8_t> bytes;
+  };
+  std::optional<Written> read();
   /// What the program does not take is lost, as at a serial line.
   void write(std::span<const std::uint8_t> bytes);
 
@@ -34,6 +38,7 @@ class Terminal {
 
   Chip& chip_;
   std::filesystem::path path_;
+  int written_ = -1;  ///< a FIFO, see write_to_terminal()
   int master_ = -1;
   int slave_ = -1;  ///< kept open, so that the line does not end with the program
 };

@@ -308,11 +308,7 @@ void Chip::await_writes_to(int terminal) const {
 
 void Chip::took_written(std::size_t bytes) const { impl_->state().time.terminal_taken.fetch_add(bytes); }
 
-std::optional<MonoTime> Chip::last_written() const {
-  const gpio::State& state = impl_->state();
-  if (!gpio::is_kept(state)) return std::nullopt;
-  return from_ns(state.time.terminal_written_ns.load());
-}
+bool Chip::keeps_time() const { return gpio::is_kept(impl_->state()); }
 
 ChangeCursor Chip::cursor_now() const { return {gpio::newest(impl_->state())}; }
 

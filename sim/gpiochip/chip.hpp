@@ -147,7 +147,7 @@ class Chip {
   /// taken.
   void await_writes_to(int terminal) const;
   void took_written(std::size_t bytes) const;
-  std::optional<MonoTime> last_written() const;  ///< by rig time, if it is kept
+  bool keeps_time() const;  ///< rig time
 
   /// As if the device were unplugged: every further ioctl answers ENODEV, the node is gone, event descriptors
   /// end (poll: hang-up, read: ENODEV) as soon as every rig that is attached made its next call. A chip that

@@ -159,7 +159,7 @@ bool is_alive(const std::filesystem::path& folder) {
 
 void remove_chip_files(const std::filesystem::path& folder) {
   std::error_code ignored;
-  for (const char* name : {kStateFile, "state.new", kLockFile, kDeviceFile, kSysfsFile}) {
+  for (const char* name : {kStateFile, "state.new", kLockFile, kDeviceFile, kSysfsFile, kTerminalFile}) {
     std::filesystem::remove(folder / name, ignored);
   }
   for (const Fifos& fifos : fifos_of(kMaxLines))

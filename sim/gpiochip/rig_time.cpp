@@ -1,7 +1,9 @@
 #include "sim/gpiochip/rig_time.hpp"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <pthread.h>
+#include <string.h>
 #include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
@@ -11,6 +13,7 @@
 #include <iterator>
 
 #include "sim/gpiochip/levels.hpp"
+#include "sim/gpiochip/ownership.hpp"
 #include "sim/gpiochip/system.hpp"
 
 namespace strobe::sim::gpio {
@@ -357,6 +360,24 @@ bool is_terminal(const State& state, int fd) {
   sys::FileId id;
   return inode != 0 && sys::identify(fd, id) == 0 && id.inode == inode &&
          id.device == state.time.terminal_device.load();
+}
+
+long write_to_terminal(State& state, const char* folder, const void* data, std::size_t size) {
+  char path[kPathSize];
+  if (!path_in(folder, kTerminalFile, path)) return -ENAMETOOLONG;
+  const int fifo = sys::open(path, O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+  if (fifo < 0) return -EIO;  // hung up
+  RigTime& time = state.time;
+  const TerminalWrite head{is_kept(state) ? time.now_ns.load() : now_ns(state),
+                           std::min(size, TerminalWrite::kMaxSize)};
+  char record[sizeof head + TerminalWrite::kMaxSize];
+  memcpy(record, &head, sizeof head);
+  memcpy(record + sizeof head, data, head.size);
+  time.terminal_written.fetch_add(head.size);                              // before it is on its way
+  const long written = sys::write(fifo, record, sizeof head + head.size);  // all of it, or nothing
+  if (written < 0) time.terminal_written.fetch_sub(head.size);
+  sys::close(fifo);
+  return written < 0 ? written : static_cast<long>(head.size);
 }
 
 void sleep_as_rig(State& state, std::uint64_t ring_position, std::uint32_t wake, std::int64_t until_ns) {

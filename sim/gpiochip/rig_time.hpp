@@ -69,11 +69,11 @@ bool is_loop();
 /// room.
 bool put_off_write(int fd, std::uint64_t value);
 
-/// A write to the rig's terminal of which time has to wait until the rig has taken it: `write` writes and
-/// tells how many bytes, or less than 0. Any other descriptor's is done as it is.
-template <typename Write>
-long write_awaited(State& state, int fd, std::size_t size, Write&& write);
 bool is_terminal(const State& state, int fd);
+/// A write to the rig's terminal, that time waits for until the rig has taken it. By a FIFO: the kernel hands
+/// over what is written to a terminal by a worker, which others hold up; a serial port's driver sends at
+/// once. As write(2), but with -errno.
+long write_to_terminal(State& state, const char* folder, const void* data, std::size_t size);
 
 /// The rig's thread, once it has seen the ring's changes up to there: sleeps until `until_ns`, or a change.
 /// `wake`: State::wake before it looked for changes.
@@ -85,17 +85,6 @@ void leave(State& state);
 // How wait_in_slices() is made.
 void begin_wait(State& state, std::int64_t until_ns, WakeBy wake_by);
 void end_wait();
-
-template <typename Write>
-long write_awaited(State& state, int fd, std::size_t size, Write&& write) {
-  if (!is_kept(state) || !is_terminal(state, fd)) return write();
-  RigTime& time = state.time;
-  time.terminal_written_ns.store(time.now_ns.load());
-  time.terminal_written.fetch_add(size);  // before it is on its way
-  const long written = write();
-  time.terminal_written.fetch_sub(size - static_cast<std::size_t>(written > 0 ? written : 0));
-  return written;
-}
 
 template <typename Slice>
 bool wait_in_slices(State& state, std::int64_t until_ns, Slice&& slice) {

@@ -14,7 +14,7 @@
 namespace strobe::sim::gpio {
 
 inline constexpr std::uint64_t kMagic = 0x53545242'4750494fULL;  // "STRBGPIO"
-inline constexpr std::uint32_t kVersion = 6;
+inline constexpr std::uint32_t kVersion = 8;
 inline constexpr std::uint32_t kMaxLines = 64;
 inline constexpr std::uint32_t kMaxWatchers = 32;  ///< opens of the chip that can watch lines
 inline constexpr std::uint32_t kRingBits = 16;
@@ -28,6 +28,7 @@ inline constexpr const char* kDeviceFile = "device";       ///< FIFO that an ope
 inline constexpr const char* kSysfsFile = "dev";           ///< what /sys/bus/gpio/devices/<name>/dev reads as
 inline constexpr const char* kEventPrefix = "event-";      ///< FIFO of a line's uAPI v1 events
 inline constexpr const char* kRequestPrefix = "request-";  ///< FIFO of a v2 request's events
+inline constexpr const char* kTerminalFile = "terminal";   ///< FIFO of what programs write to the rig's
 inline constexpr const char* kWatchPrefix = "watch-";      ///< FIFO of what changed on watched lines
 
 /// Bytes of the lock file: one per line (its owner), and a few of the chip's own.
@@ -206,9 +207,15 @@ struct alignas(64) RigTime {
   // Of the terminal whose other end is the rig's: what was written to it has not been taken yet.
   std::atomic<std::uint64_t> terminal_device, terminal_inode;  ///< 0: there is none
   std::atomic<std::uint64_t> terminal_written, terminal_taken;
-  std::atomic<std::int64_t> terminal_written_ns;     ///< when it was written to last
   std::atomic<std::int32_t> programs[kMaxPrograms];  ///< process ids; 0: free
   TimedWait waits[kMaxWaits];
+};
+
+/// Before the bytes of each write in kTerminalFile.
+struct TerminalWrite {
+  static constexpr std::size_t kMaxSize = 1024;  ///< of more, so many are written
+  std::int64_t at_ns;
+  std::uint64_t size;
 };
 
 struct State {

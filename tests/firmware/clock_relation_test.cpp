@@ -1,8 +1,12 @@
 #include "firmware/flash_sequencer/clock_relation.hpp"
 
 #include <cmath>
+#include <cstdio>
+#include <functional>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/support/string_from.hpp"
 
@@ -103,6 +107,35 @@ TEST(ClockRelation, StatesHowUncertainItIs) {
   // that deviation; what all observations share is counted twice at worst, which makes it smaller.
   const std::string text = std::to_string(all.normalized());
   CHECK_TEXT(all.normalized() > 0.4 && all.normalized() < 1.35, text.c_str());
+}
+
+// A request is on its way within microseconds of the call that writes it; a reply is heard once a thread has been woken
+// for it, or the other way round. Nothing but how the ways' delays scatter tells which is the longer one.
+TEST(ClockRelation, IsWithinAMicrosecondWhereOneWayIsLonger) {
+  const auto share = [&] { return std::uniform_real_distribution<double>()(random); };
+  const std::vector<std::pair<const char*, std::function<double()>>> ways{
+      {"5 to 70 us, all alike", [&] { return 5e3 + 65e3 * share(); }},
+      {"10 to 70 us, half below 18", [&] { return 10e3 + 60e3 * std::pow(share(), 3); }},
+      {"5 us and 15 us more in the mean", [&] { return 5e3 + exponential_ns(15e3); }}};
+  for (const bool reply_is_longer : {true, false}) {
+    for (const auto& [name, longer_ns] : ways) {
+      Score score;
+      for (int run = 0; run < 20; ++run) {
+        relation.forget();
+        clock.drift = std::uniform_real_distribution<double>(-60e-6, 60e-6)(random);
+        for (int beats = 0; beats < 2500; ++beats, now += kBeat) {
+          const Duration first{std::llround(exponential_ns(1e3))}, second{std::llround(longer_ns())};
+          const MonoTime received = now + (reply_is_longer ? first : second);
+          relation.observe(now, clock.ticks(received), received + (reply_is_longer ? second : first));
+          if (beats > 1000 && beats % 50 == 0) score.add(error_ns(now), sd_ns(now));
+        }
+      }
+      std::printf("%s takes %s: %.3f us rms, %.2f of what it states\n", reply_is_longer ? "reply" : "request", name,
+                  1e-3 * score.rms_ns(), score.normalized());
+      CHECK_TEXT(score.rms_ns() < 1000.0, name);
+      CHECK_TEXT(score.normalized() < 1.35, name);
+    }
+  }
 }
 
 TEST(ClockRelation, StatesWhatItCannotKnowOfTheWays) {

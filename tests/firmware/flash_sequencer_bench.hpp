@@ -49,9 +49,9 @@ class VirtualSequencerChip final : public flash_sequencer::Hardware {
       int next = -1;
       for (int track = 0; track < 2; ++track) {
         const Ticks due = due_of(track);
-        if (due != flash_sequencer::kNoTicks && due <= now() && (next < 0 || due < due_of(next))) next = track;
+        if (due != flash_sequencer::kNoTicks && due <= ticks(now_) && (next < 0 || due < due_of(next))) next = track;
       }
-      if (starts_at_ != flash_sequencer::kNoTicks && now() >= starts_at_) told_.started = starts_at_;
+      if (starts_at_ != flash_sequencer::kNoTicks && ticks(now_) >= starts_at_) told_.started = starts_at_;
       if (next < 0) return;
       const auto index = static_cast<std::size_t>(next);
       const MonoTime at = time_of(due_of(next));
@@ -85,8 +85,20 @@ class VirtualSequencerChip final : public flash_sequencer::Hardware {
       edges_.push_back({0, line, static_cast<std::uint8_t>(active), stamp});
   }
 
-  Ticks now() override { return ticks(now_); }
+  /// The e-stop bounces at the call, from now on, of cut, release, prepare, cut_by_itself, inputs or now that comes after
+  /// so many others.
+  int bounces_after = -1;
+  void bounce() {
+    if (bounces_after < 0 || bounces_after-- > 0) return;
+    for (const bool pressed : {true, false}) set_input(flash_sequencer::InputLine::estop, pressed, now_);
+  }
+
+  Ticks now() override {
+    bounce();
+    return ticks(now_);
+  }
   void prepare(std::span<flash_sequencer::Edge> movers, std::span<flash_sequencer::Edge> lamps) override {
+    bounce();
     tracks_ = {movers, lamps};
     told_ = {};
     starts_at_ = flash_sequencer::kNoTicks;
@@ -97,13 +109,23 @@ class VirtualSequencerChip final : public flash_sequencer::Hardware {
   }
   void listen_to_gate(bool listens) override { listens_ = listens; }
   flash_sequencer::Progress progress() override { return told_; }
-  void cut() override { switch_off(); }
+  void cut() override {
+    bounce();
+    switch_off();
+  }
   bool release() override {
+    bounce();
     by_itself_ = flash_sequencer::CutCause::none;
     return released_ = forbidden() == flash_sequencer::CutCause::none;
   }
-  flash_sequencer::CutCause cut_by_itself() override { return by_itself_; }
-  std::uint8_t inputs() override { return levels; }
+  flash_sequencer::CutCause cut_by_itself() override {
+    bounce();
+    return by_itself_;
+  }
+  std::uint8_t inputs() override {
+    bounce();
+    return levels;
+  }
   std::uint8_t outputs() override { return static_cast<std::uint8_t>(outputs_); }
   bool pop_input(flash_sequencer::InputEdge& edge) override {
     if (edges_.empty()) return false;
@@ -167,9 +189,9 @@ class VirtualSequencerLine final : public Clock, public SerialLine {
 
   VirtualSequencerLine() { boot(); }
   /// The microcontroller starts anew.
-  void boot() {
+  void boot(bool by_watchdog = false) {
     chip.started = time - microseconds(17);
-    controller = std::make_unique<flash_sequencer::Controller>(chip, 1000 + ++boots_, false);
+    controller = std::make_unique<flash_sequencer::Controller>(chip, 1000 + ++boots_, by_watchdog);
     to_sequencer_.clear();
     to_loop_.clear();
     decoder_ = {};
@@ -182,6 +204,15 @@ class VirtualSequencerLine final : public Clock, public SerialLine {
   }
   /// The loop's core stands still from then on for so long; beats and sequencer do not. In order of time.
   void freeze(MonoTime when, Duration how_long) { freezes_.push_back({when, how_long}); }
+
+  /// Those frames never leave the sequencer.
+  std::function<bool(const flash_sequencer::Frame&)> loses;
+  void lose_reports_of(flash_sequencer::InputLine line) {
+    loses = [line](const flash_sequencer::Frame& frame) {
+      const auto edge = flash_sequencer::read_input(frame);
+      return edge && edge->line == line;
+    };
+  }
 
   /// Comes to the loop as if the sequencer had sent it.
   void pretend(const flash_sequencer::Frame& frame) { reply(frame, time); }
@@ -301,9 +332,11 @@ class VirtualSequencerLine final : public Clock, public SerialLine {
   void take(std::uint8_t byte, MonoTime at) {
     const flash_sequencer::Frame* request = decoder_.take(byte);
     flash_sequencer::Frame answer;
-    if (request != nullptr && answers && controller->answer(*request, chip.ticks(at), answer)) reply(answer, at);
+    if (request != nullptr && answers && controller->answer(*request, chip.ticks(at), answer))
+      reply(answer, at + Duration{flash_sequencer::kReplyAfter * flash_sequencer::kTick_ns});
   }
   void reply(const flash_sequencer::Frame& frame, MonoTime at) {
+    if (loses && loses(frame)) return;
     std::array<std::uint8_t, flash_sequencer::kMaxFrame> wire;
     const std::size_t size = flash_sequencer::encode(frame, wire);
     for (std::size_t i = 0; i < size; ++i) {

@@ -1,4 +1,5 @@
 // strobed's loop with a flash sequencer at the other end of its line, on a virtual clock.
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
@@ -69,6 +70,14 @@ struct Loop {
     CHECK(play());
     return shot();
   }
+  /// Fires, and interrupts the gate so long after the shutter is open. Returns when.
+  MonoTime interrupt_gate(Duration after_exposure_begin) {
+    fire_until(after_exposure_begin - milliseconds(20));
+    const MonoTime at = bench.line.time + milliseconds(20);
+    bench.line.schedule(at, InputLine::gate, true);
+    bench.line.schedule(at + milliseconds(1), InputLine::gate, false);
+    return at;
+  }
   void fire_until(Duration after_exposure_begin) {
     fire();
     while (!known(record().shutter_on)) turn();
@@ -86,6 +95,19 @@ struct Loop {
   }
   bool all_inactive() const { return const_cast<VirtualSequencerChip&>(bench.line.chip).outputs() == 0; }
 };
+
+Rig gated_rig() {
+  Rig rig = shipped_rig();
+  rig.plan.train = Train::gated;
+  rig.plan.flash_count = 60;
+  rig.plan.gate_delay = microseconds(200);
+  return rig;
+}
+
+std::size_t issued_of(const ShotRecord& shot) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(shot.flashes, [](const FlashRecord& flash) { return known(flash.issue_end); }));
+}
 
 double us(Duration duration) { return to_microseconds(duration); }
 
@@ -190,6 +212,120 @@ TEST(FlashSequencer, AStopIsNotOverBeforeTheSequencerSaysThatItHasCut) {
   CHECK(rig.play());
   CHECK_FALSE(rig.bench.outputs.any_active());
   CHECK_TRUE(rig.shot().abort_reason.view().find("disarmed") != std::string_view::npos);
+}
+
+// The gate's edge is in the status as well.
+TEST(FlashSequencer, TellsABurstOfWhoseGateTheReportWasLost) {
+  Loop rig(gated_rig());
+  rig.bench.line.lose_reports_of(InputLine::gate);
+  const MonoTime gate = rig.interrupt_gate(milliseconds(100));
+  CHECK(rig.play());
+  CHECK_EQUAL(std::string(), rig.reason());
+  DOUBLES_EQUAL(0.0, us(rig.shot().gate - gate), kRelated_us);
+  CHECK_EQUAL(static_cast<std::size_t>(flash_count(rig.bench.config.plan)), rig.keeper.count(EventKind::flash));
+}
+
+// The gate's edge, flashes and the cut may come to the loop at once or one by one, in any order of reports and status.
+TEST(FlashSequencer, TellsEachFlashOfABurstThatIsCutWithinMillisecondsOfItsGate) {
+  Loop rig(gated_rig());
+  for (int k = 0; k < 32; ++k) {
+    rig.bench.line.loses = nullptr;
+    if (k % 2 == 0) rig.bench.line.lose_reports_of(InputLine::gate);
+    const std::size_t before = rig.pins(OutputLine::strobe_a, true).size();
+    const MonoTime gate = rig.interrupt_gate(milliseconds(100));
+    if (k % 4 < 2) rig.bench.line.freeze(gate - microseconds(100), milliseconds(12));
+    const MonoTime pressed = gate + microseconds(250 + 211 * k);
+    rig.bench.line.schedule(pressed, InputLine::estop, true);
+    rig.bench.line.schedule(pressed + milliseconds(50), InputLine::estop, false);
+    CHECK(rig.play());
+    CHECK_EQUAL(std::string("the e-stop is pressed"), rig.reason());
+    CHECK_EQUAL(rig.pins(OutputLine::strobe_a, true).size() - before, issued_of(rig.shot()));
+    DOUBLES_EQUAL(0.0, us(rig.shot().gate - gate), kRelated_us);
+    rig.turn_for(milliseconds(100));
+    rig.give(CommandKind::reset);
+    rig.turn_for(milliseconds(3000));
+  }
+}
+
+TEST(FlashSequencer, TellsOfAShortPressBetweenShotsWhoseReportsWereLost) {
+  for (const InputLine line : {InputLine::estop, InputLine::key}) {
+    Loop rig;
+    rig.shoot();  // the sequencer is not cut any more
+    rig.turn_for(milliseconds(100));
+    const EventKind kind = line == InputLine::estop ? EventKind::estop : EventKind::key;
+    const std::size_t before = rig.keeper.count(kind);
+    rig.bench.line.lose_reports_of(line);
+    const bool pressed = line == InputLine::estop;
+    rig.bench.line.schedule(rig.bench.line.time + milliseconds(1), line, pressed);
+    rig.bench.line.schedule(rig.bench.line.time + milliseconds(2), line, !pressed);
+    rig.turn_for(milliseconds(100));
+    CHECK_EQUAL(before + 2, rig.keeper.count(kind));
+    CHECK_EQUAL(pressed ? 1 : 0, rig.keeper.find(kind, before)->level);
+    CHECK_EQUAL(pressed ? 0 : 1, rig.keeper.find(kind, before + 1)->level);
+    if (pressed) CHECK_EQUAL(State::stopped, rig.loop.state());
+  }
+}
+
+TEST(FlashSequencer, ClosesAShotWithoutSpinning) {
+  Loop rig;
+  rig.fire_until(milliseconds(100));
+  rig.bench.line.answers = false;
+  rig.give(CommandKind::disarm);
+  const std::size_t shots = rig.keeper.shots.size();
+  int turns = 0;
+  for (const MonoTime end = rig.bench.line.time + milliseconds(80); rig.bench.line.time < end; ++turns) rig.turn();
+  // It looks for 0.15 ms before each ABORT, as before a pulse, in turns of 2 us; one that spins turns 37,000 times.
+  CHECK_TRUE_TEXT(turns < 80 / 5 * 150, std::to_string(turns).c_str());
+  CHECK_EQUAL(shots, rig.keeper.shots.size());
+  rig.bench.line.answers = true;
+  CHECK(rig.play());
+  rig.turn_for(milliseconds(100));
+  CHECK_EQUAL(shots + 1, rig.keeper.shots.size());
+}
+
+// Whatever it was about to do.
+TEST(FlashSequencer, ForgetsNoBounceOfTheEStopWhileAnArmingExpires) {
+  using namespace flash_sequencer;
+  for (int bounces_after = 0; bounces_after < 8; ++bounces_after) {
+    VirtualSequencerChip chip;
+    Controller controller(chip, 1, false);
+    Limits limits;
+    limits.max_on_us.fill(1000);
+    std::uint8_t number = 0;
+    const auto ask = [&](Frame request) {
+      request.number = ++number;
+      Frame reply;
+      CHECK(controller.answer(request, chip.now(), reply));
+      CHECK(read_status(reply)->refusal == Refusal::none);
+    };
+    ask(to_frame(Request::beat));
+    ask(to_frame(Request::reset));
+    ask(to_frame(limits));
+    Load load;
+    load.track = Track::lamps;
+    load.count = 2;
+    load.edges = {{{100, 4}, {100, 0}}};
+    ask(to_frame(load));
+    Arm arm;
+    arm.edges = {0, 2};
+    arm.crc = train_crc({}, std::span(load.edges).first(2));
+    ask(to_frame(arm));
+    for (int k = 1; k < 251; ++k) {  // almost kArmedFor
+      chip.advance(chip.started + milliseconds(4) * k);
+      ask(to_frame(Request::beat));
+      controller.turn();
+    }
+    CHECK(controller.phase() == Phase::armed || controller.phase() == Phase::idle);
+    chip.advance(chip.started + milliseconds(1004));
+    ask(to_frame(Request::beat));
+    chip.bounces_after = bounces_after;
+    controller.turn();
+    const bool bounced = chip.bounces_after < 0;
+    chip.bounces_after = -1;
+    controller.turn();
+    CHECK_TRUE_TEXT(!bounced || controller.phase() == Phase::cut, std::to_string(bounces_after).c_str());
+    CHECK(controller.phase() == Phase::cut || controller.phase() == Phase::idle);
+  }
 }
 
 TEST(FlashSequencer, CutsItselfWhenTheBeatsStop) {
@@ -397,6 +533,17 @@ TEST(FlashSequencer, MustAnswer) {
   const MonoTime before = line.time;
   STRCMP_EQUAL("no flash sequencer answers", link.connect(milliseconds(500)).error().message.c_str());
   CHECK(line.time - before < milliseconds(510));
+}
+
+TEST(FlashSequencer, SaysThatItsWatchdogHadResetIt) {
+  VirtualSequencerLine line;
+  Heartbeat heartbeat(line, line);
+  FlashSequencerLink link(line, heartbeat, line);
+  for (const bool by_watchdog : {true, false}) {
+    line.boot(by_watchdog);
+    CHECK_TRUE(link.connect(milliseconds(500)).has_value());
+    CHECK_EQUAL(by_watchdog, link.reset_by_watchdog());
+  }
 }
 
 TEST(FlashSequencer, IsMadeInactiveWhateverItPlays) {

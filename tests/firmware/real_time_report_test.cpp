@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/flash_sequencer/inspect.hpp"
 #include "tests/firmware/system_tree.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -212,4 +213,17 @@ TEST(RealTimeReport, KnowsNoFaultWhereTheKernelTellsNothing) {
   const auto items = real_time_report(rig, trial, tick, SystemFiles("/nonexistent"));
   for (const CheckItem& each : items)
     CHECK_TEXT(each.verdict != Verdict::fault, (each.name + ": " + each.words).c_str());
+}
+
+TEST(RealTimeReport, WantsWhatHandsASequencersRepliesOverOffTheLoopsCpu) {
+  CHECK(replies_item(rig, tree.files()).verdict == Verdict::ok);  // the kernel does not say
+  tree.put("sys/devices/virtual/workqueue/cpumask", "3");
+  const CheckItem found = replies_item(rig, tree.files());
+  CHECK(found.verdict == Verdict::advice);
+  STRCMP_CONTAINS("may run on CPU 1", found.words.c_str());
+  CHECK_EQUAL("echo 1 > /sys/devices/virtual/workqueue/cpumask", found.paste.at(0));
+  tree.put("sys/devices/virtual/workqueue/cpumask", "1");
+  CHECK(replies_item(rig, tree.files()).verdict == Verdict::ok);
+  rig.real_time.cpu = -1;
+  CHECK(replies_item(rig, tree.files()).verdict == Verdict::ok);
 }

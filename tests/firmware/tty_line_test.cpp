@@ -154,7 +154,7 @@ TEST(TtyLine, HasBeatsForAsLongAsTheLoopTurns) {
   const auto line = open();
   Heartbeat heartbeat(*line, clock);
   std::atomic<std::int64_t> turned_ns{to_ns(clock.now() - Heartbeat::kLoopHangs - milliseconds(1))};
-  heartbeat.start(turned_ns, 0);
+  heartbeat.start(turned_ns, 0, -1);
   CHECK_EQUAL(std::string(), other.take(1, 60));  // beats of fifteen
   flash_sequencer::Decoder decoder;
   int beats = 0;

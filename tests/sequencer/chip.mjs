@@ -7,7 +7,7 @@ import { Pio } from './pio.mjs';
 const { RP2040 } = createRequire(`${process.env.STROBE_BUILD_DIR}/sequencer/`)('rp2040js');
 
 export const CYCLES_PER_US = 125;
-const BYTE_CYCLES = 10 * CYCLES_PER_US; // at 1,000,000 baud: start, 8 bits, stop
+export const BYTE_CYCLES = 10 * CYCLES_PER_US; // at 1,000,000 baud: start, 8 bits, stop
 export const PIN = {
   outputs: 2, key: 8, estop: 9, sensor_a: 10, sensor_b: 11, gate: 12, xsync: 13, burst: 21, start: 22, led: 25,
 };

@@ -14,6 +14,7 @@ const { values: options } = parseArgs({
 const trains = Number(options.trains), seed = Number(options.seed);
 const image = readFileSync(`${process.env.STROBE_BUILD_DIR}/share/strobe/sequencer/strobe-sequencer.bin`);
 const us = n => Math.round(n * CYCLES_PER_US);
+const REPLY_AFTER_US = 100; // kReplyAfter of the protocol
 const PULSE = 100_000; // longest on-time asked for [us]
 
 function powered(number = seed) {
@@ -67,12 +68,23 @@ const parts = {
   'a start: outputs driven inactive, cut until a reset, boots differ'() {
     const { chip, host } = powered();
     const one = host.hello();
-    assert.equal(one.version, 1);
+    assert.equal(one.version, 2);
     assert.equal(one.by_watchdog, 0);
     assert.equal(one.max_edges, 2048);
     assert.deepEqual(chip.log.map(entry => entry.outputs), [0]);
     assert.equal(host.beat().phase, 'cut');
     assert.notEqual(one.boot, powered(seed + 1).host.hello().boot);
+    assert.equal(host.reset().phase, 'idle');
+  },
+
+  'a start during which an input changes is tried again'() {
+    const chip = new Chip(image, seed), host = new Host(chip), start = () => (chip.chip.sio.gpioValue >>> PIN.start) & 1;
+    for (const level of [1, 0]) while (start() !== level) chip.run_until(chip.cycle + 1); // the stamps' calibration
+    chip.set_pin_at(chip.cycle + 10, PIN.sensor_a, 1);
+    chip.set_pin_at(chip.cycle + 40, PIN.sensor_a, 0);
+    chip.run_until(chip.cycle + us(40_000));
+    assert.equal(chip.resets.length, 1);
+    assert.equal(host.hello().by_watchdog, 1);
     assert.equal(host.reset().phase, 'idle');
   },
 
@@ -138,6 +150,33 @@ const parts = {
       rig.chip.log = [];
     }
     return `${heard} bursts, largest difference ${worst} ticks`;
+  },
+
+  // The first flash as soon as can be, the gate in any of the cycles in which the program sees that the window is over.
+  'a gate while its window closes begins the whole burst, or none of it'() {
+    const rig = ready(), draw = new Draw(seed + 5);
+    const tracks = [[], [{ delay: MIN_DELAY, levels: 4 }, { delay: us(2), levels: 0 }]];
+    let whole = 0, none = 0;
+    for (let i = 0; i < Math.max(100, trains / 4); i++) {
+      const challenge = arm(rig, tracks, true), from = rig.chip.cycle;
+      const at = start(rig, challenge, us(200), us(400)), gate = at + us(400) + draw.below(us(25));
+      rig.chip.set_pin_at(gate, PIN.gate, 1);
+      rig.chip.set_pin_at(gate + us(20), PIN.gate, 0);
+      rig.chip.run_until(at + us(600));
+      const status = rig.host.beat(), what = `seed ${seed}, train ${i}, gate at ${gate - at - us(400)}`;
+      assert.deepEqual([status.phase, status.cut], ['idle', 'none'], what);
+      if (status.burst_started === null) {
+        none += 1;
+        compare(rig.chip.log, from, [[], []], [0, 0]);
+      } else {
+        whole += 1;
+        assert.deepEqual(status.played, [0, 2], what);
+        compare(rig.chip.log, from, tracks, [0, gate]);
+      }
+      rig.chip.log = [];
+    }
+    assert.ok(whole > 10 && none > 10, `${whole} whole, ${none} none`);
+    return `${whole} whole, ${none} none`;
   },
 
   'full tracks of the shortest delays'() {
@@ -310,14 +349,18 @@ const parts = {
       if (i > 0) assert.equal(input.number, got[i - 1].number + 1);
     });
     assert.ok(longest <= 2, `stamps up to ${longest} ticks off`);
-    let farthest = 0;
+    let farthest = 0, soonest = Infinity, latest = 0;
     for (let i = 0; i < 20; i++) {
       chip.run_until(chip.cycle + draw.below(us(200)));
       const reply = host.beat();
       farthest = Math.max(farthest, Math.abs(reply.received + origin - reply.sent));
+      soonest = Math.min(soonest, reply.began - reply.sent);
+      latest = Math.max(latest, reply.began - reply.sent);
     }
     assert.ok(farthest <= us(1), `received ${farthest} ticks off`);
-    return `${pulses.length} stamps, at most ${longest} ticks off; requests at most ${(farthest / CYCLES_PER_US).toFixed(2)} us`;
+    // As the stamps of requests are known; a round of the program is below 20 us.
+    assert.ok(soonest >= us(REPLY_AFTER_US - 1) && latest <= us(REPLY_AFTER_US + 20), `replies from ${soonest} to ${latest} ticks`);
+    return `${pulses.length} stamps, at most ${longest} ticks off; requests at most ${(farthest / CYCLES_PER_US).toFixed(2)} us, replies to them after ${(soonest / CYCLES_PER_US).toFixed(1)} to ${(latest / CYCLES_PER_US).toFixed(1)} us`;
   },
 
   'key, e-stop and xsync are told with their times'() {

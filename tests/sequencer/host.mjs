@@ -1,7 +1,7 @@
 // A host of the flash sequencer, after common/flash_sequencer/protocol.hpp alone.
 import { crc32 } from 'node:zlib';
 
-import { CYCLES_PER_US } from './chip.mjs';
+import { BYTE_CYCLES, CYCLES_PER_US } from './chip.mjs';
 
 export const REQUEST = { hello: 1, limits: 2, load: 3, arm: 4, start: 5, beat: 6, abort: 7, reset: 8 };
 export const PHASE = ['idle', 'armed', 'playing', 'cut'];
@@ -94,6 +94,7 @@ export class Host {
   }
 
   take(byte) {
+    this.first_byte ??= this.chip.cycle - BYTE_CYCLES;
     if (byte !== 0) {
       this.wire.push(byte);
       return;
@@ -124,15 +125,16 @@ export class Host {
   // Sends a request and runs until its reply is there. Null: none within 20 ms.
   ask(kind, body = []) {
     const { number, end } = this.post(kind, body);
+    this.first_byte = null;
     const found = () => this.replies.findIndex(reply => reply.number === number);
     const until = end + 20_000 * CYCLES_PER_US;
     while (found() < 0 && this.chip.cycle < until) this.chip.run_until(this.chip.cycle + 20 * CYCLES_PER_US);
     const reply = found() < 0 ? null : this.replies[found()];
     this.replies = [];
-    return reply && { ...reply, sent: end };
+    return reply && { ...reply, sent: end, began: this.first_byte };
   }
 
-  hello() { return this.ask(REQUEST.hello, [1]); }
+  hello() { return this.ask(REQUEST.hello, [2]); }
   reset() { return this.ask(REQUEST.reset); }
   abort() { return this.ask(REQUEST.abort); }
   beat() { return this.ask(REQUEST.beat); }

@@ -94,6 +94,7 @@ export class Pio {
     switch (code >>> 13) {
       case 0: {
         const target = code & 31, condition = (code >> 5) & 7;
+        if ((code >> 8) & 31) return 0;
         if (target === pc) {
           if (condition === ALWAYS || (condition === PIN && this.high(machine.jmpPin))) return FOREVER;
           return condition === X_THEN_LESS ? machine.x : 0;
@@ -117,7 +118,7 @@ export class Pio {
   // Two instructions in turn: a JMP PIN, and a decrement that jumps to it.
   counts_down(machine) {
     const { instructions } = this.block, at = instructions[machine.pc];
-    const looks = code => code >>> 13 === 0 && ((code >> 5) & 7) === PIN;
+    const looks = code => code >>> 5 === PIN; // and no delay
     const first = looks(at) ? machine.pc : at & 31;
     if (!looks(instructions[first])) return false;
     const second = this.high(machine.jmpPin) ? instructions[first] & 31 : first + 1;

@@ -282,7 +282,8 @@ STROBE_EXPORT ssize_t write(int fd, const void* data, size_t size) {
   }
   const auto native = [&] { return STROBE_NEXT(Function, "write")(fd, data, size); };
   gpio::State* state = gpio::device().state;
-  return state == nullptr ? native() : gpio::write_awaited(*state, fd, size, native);
+  if (state == nullptr || !gpio::is_terminal(*state, fd)) return native();
+  return answer(gpio::write_to_terminal(*state, gpio::device().folder, data, size));
 }
 
 STROBE_EXPORT int ioctl(int fd, unsigned long given, ...) noexcept {
