@@ -15,6 +15,7 @@
 #include "firmware/linux/interrupts.hpp"
 #include "firmware/linux/machine_verdict.hpp"
 #include "firmware/linux/real_time_report.hpp"
+#include "firmware/linux/smi_counter.hpp"
 #include "firmware/linux/tick_finder.hpp"
 #include "firmware/worker/service_files.hpp"
 
@@ -106,10 +107,12 @@ void report_machine(const Rig& rig, const Options& options, Report& report) {
   exclude_cpu(rig.real_time.cpu);
   const std::set<int> cpus = allowed_cpus(rig.real_time.cpu, SystemFiles());
   const MachineCounters before = read_counters(cpus, SystemFiles());
+  const SmiCounter smis(cpus, SystemFiles());
   const MachineTrial trial = try_machine(rig, cpus, options.trial, watch_cores,
                                          [&](Duration passed) { tell_progress(passed, options.trial); });
   tell_progress(options.trial, options.trial);
-  const MachineCounters after = read_counters(cpus, SystemFiles());
+  MachineCounters after = read_counters(cpus, SystemFiles());
+  after.smis = smis.count();
   for (const CheckItem& item : machine_verdict(rig, trial, before, after, SystemFiles()))
     report.item(item, options.allow_no_rt);
 }

@@ -1,9 +1,7 @@
 #include "firmware/linux/core_watch.hpp"
 
-#include <linux/perf_event.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <array>
@@ -15,6 +13,7 @@
 
 #include "firmware/linux/core_timeline.hpp"
 #include "firmware/linux/interrupts.hpp"
+#include "firmware/linux/perf_event.hpp"
 #include "firmware/linux/system_clock.hpp"
 
 namespace strobe::firmware {
@@ -87,21 +86,6 @@ struct SampleId {
 };
 
 }  // namespace
-
-class PerfEvent {
- public:
-  PerfEvent(perf_event_attr event, pid_t thread, int cpu)
-      : fd_(static_cast<int>(syscall(SYS_perf_event_open, &event, thread, cpu, -1, PERF_FLAG_FD_CLOEXEC))) {}
-  PerfEvent(PerfEvent&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  PerfEvent& operator=(PerfEvent&&) = delete;
-  ~PerfEvent() {
-    if (fd_ >= 0) close(fd_);
-  }
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 /// One CPU's records.
 class CoreRing {

@@ -100,6 +100,15 @@ CheckItem steal_item(const MachineCounters& before, const MachineCounters& after
                            " ms of the loop's CPU to others: take a real machine");
 }
 
+constexpr const char* kQuietFirmware = "switch off power saving and USB legacy support in its setup (BIOS)";
+
+CheckItem smi_item(long smis) {
+  if (smis < 0) return well("smi", "the kernel does not say");
+  if (smis == 0) return well("smi", "none");
+  return warn("smi", "the board's own firmware had the loop's CPU " + std::to_string(smis) +
+                         " times: " + kQuietFirmware);
+}
+
 /// "12.3 us", "45 ms".
 std::string span(Duration d) {
   char text[32];
@@ -230,11 +239,16 @@ Cure cure_of(const Rig& rig, const Culprit& culprit, const SystemFiles& files) {
       if (culprit.took < kHeldBack) return {"see latency and preemption"};
       return {std::string(kHeldBackWords) + "; or the machine stood still meanwhile"};
     case Culprit::Kind::core_stopped: {
+      const std::string traced = "sys/kernel/tracing/events/irq/irq_handler_entry/id";
+      if (!files.read(traced) && !files.read("sys/kernel/debug/" + traced.substr(11)))
+        return {
+            "an interrupt, or the board's firmware, and this user is not shown which: as root, with "
+            "tracefs mounted, look again",
+            {"mount -t tracefs none /sys/kernel/tracing"}};
       const bool virtual_machine =
           files.read("proc/cpuinfo").value_or("").find(" hypervisor") != std::string::npos;
       return {virtual_machine ? "the hypervisor gave the CPU to others: take a real machine"
-                              : "the board's own firmware had it (SMI): switch off power saving and USB "
-                                "legacy support in its setup (BIOS)"};
+                              : std::string("the board's own firmware had it (SMI): ") + kQuietFirmware};
     }
     case Culprit::Kind::unknown:
       break;
@@ -332,6 +346,7 @@ std::vector<CheckItem> machine_verdict(const Rig& rig, const MachineTrial& trial
   return {heat_item(before, after),
           frequency_item(before, after),
           steal_item(before, after),
+          smi_item(after.smis),
           trial_item(rig, trial),
           culprits_item(rig, trial, sums, files),
           verdict_item(rig, trial, sums, files)};

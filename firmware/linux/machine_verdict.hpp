@@ -27,13 +27,14 @@ struct MachineCounters {
   int pi_firmware = -1;  ///< a Raspberry Pi's get_throttled
   long frequency = -1;   ///< changes of the loop's CPUs
   long steal_ms = -1;    ///< that the hypervisor gave to others, of the loop's CPUs
+  long smis = -1;        ///< since the trial began (SmiCounter); read_counters() does not know
 };
 MachineCounters read_counters(const std::set<int>& cpus, const SystemFiles& files);
 
 /// Known-bad kernels by version.
 CheckItem kernel_item(const SystemFiles& files);
 
-/// heat, frequency, steal, trial, culprits, machine: in this order, the verdict last.
+/// heat, frequency, steal, smi, trial, culprits, machine: in this order, the verdict last.
 std::vector<CheckItem> machine_verdict(const Rig& rig, const MachineTrial& trial,
                                        const MachineCounters& before, const MachineCounters& after,
                                        const SystemFiles& files);

@@ -1,4 +1,5 @@
 #include "firmware/linux/machine_verdict.hpp"
+#include "firmware/linux/smi_counter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -77,6 +78,10 @@ std::size_t later(const MachineTrial& trial, Duration limit) {
 }
 
 }  // namespace
+
+TEST_GROUP(SmiCounter) {
+  strobe::testing::SystemTree tree;
+};
 
 TEST_GROUP(MachineVerdict) {
   strobe::testing::SystemTree tree;
@@ -184,6 +189,8 @@ TEST(MachineVerdict, SaysOfEachKindWhatToChange) {
   cure(Culprit::Kind::thread, "make (pid 35)", "the kernel held real-time threads back");
   says(item(accused_of({Culprit::Kind::waited, "", milliseconds(2)}), "machine"), Verdict::advice,
        "see latency and preemption");
+  cure(Culprit::Kind::core_stopped, "", "an interrupt, or the board's firmware, and this user is not shown which");
+  tree.put("sys/kernel/tracing/events/irq/irq_handler_entry/id", "71");
   cure(Culprit::Kind::core_stopped, "", "(SMI)");
   tree.put("proc/cpuinfo", "flags : fpu sse2 hypervisor lahf_lm");
   cure(Culprit::Kind::core_stopped, "", "take a real machine");
@@ -226,6 +233,27 @@ TEST(MachineVerdict, TellsOfHeatFrequencyAndSteal) {
   says(item(trial, "heat", after), Verdict::advice, "slowed down 2 times");
   says(item(trial, "frequency", after), Verdict::advice, "changed 3 times");
   says(item(trial, "steal", after), Verdict::advice, "120 ms of the loop's CPU");
+}
+
+TEST(MachineVerdict, TellsHowOftenTheBoardsFirmwareHadTheCpu) {
+  const MachineTrial trial = played(rig, {}, milliseconds(1000));
+  says(item(trial, "smi"), Verdict::ok, "the kernel does not say");
+  MachineCounters after;
+  after.smis = 0;
+  says(item(trial, "smi", after), Verdict::ok, "none");
+  after.smis = 3;
+  says(item(trial, "smi", after), Verdict::advice, "had the loop's CPU 3 times: switch off power saving");
+}
+
+TEST(SmiCounter, CountsTheEventThatTheKernelNamesAndNothingWhereItNamesNone) {
+  CHECK_EQUAL(-1, SmiCounter({0}, tree.files()).count());
+  tree.put("sys/bus/event_source/devices/msr/type", std::to_string(PERF_TYPE_SOFTWARE));
+  tree.put("sys/bus/event_source/devices/msr/events/smi", "event=0x00");  // PERF_COUNT_SW_CPU_CLOCK [ns]
+  const SmiCounter counter({0}, tree.files());
+  const long before = counter.count();
+  if (before < 0) return;  // this user may not count
+  while (counter.count() == before) continue;
+  CHECK_EQUAL(-1, SmiCounter({1 << 20}, tree.files()).count());  // there is no such CPU
 }
 
 TEST(MachineVerdict, ReadsWhatARaspberryPisFirmwareSays) {
