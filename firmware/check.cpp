@@ -3,12 +3,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/authentication/key_file.hpp"
+#include "common/flash_sequencer/pio_programs.hpp"
 #include "firmware/flash_sequencer/inspect.hpp"
 #include "firmware/linux/guardian.hpp"
 #include "firmware/linux/inspect_lines.hpp"
@@ -16,7 +18,9 @@
 #include "firmware/linux/machine_verdict.hpp"
 #include "firmware/linux/real_time_report.hpp"
 #include "firmware/linux/smi_counter.hpp"
+#include "firmware/linux/system_clock.hpp"
 #include "firmware/linux/tick_finder.hpp"
+#include "firmware/rp1_pio/dev_pio.hpp"
 #include "firmware/worker/service_files.hpp"
 
 namespace strobe::firmware {
@@ -85,6 +89,27 @@ std::string session_fault(const std::filesystem::path& session) {
   return "";
 }
 
+/// What its calls take: as well as that the start of a train is known.
+CheckItem pio_item(const Rig& rig) {
+  namespace pio = flash_sequencer::pio;
+  constexpr std::size_t kCalls = 200;
+  const auto block = DevPio::open(rig);
+  if (!block) return {"chip.pio", Verdict::fault, block.error().message};
+  SystemClock clock;
+  std::array<Duration, kCalls> took;
+  for (Duration& each : took) {
+    const MonoTime before = clock.now();
+    if (!(*block)->execute(0, pio::mov(pio::To::y, pio::From::y)))
+      return {"chip.pio", Verdict::fault, rig.pio.device + " does not do as it is told"};
+    each = clock.now() - before;
+  }
+  std::sort(took.begin(), took.end());
+  const auto in_us = [&](std::size_t index) { return std::to_string(took.at(index) / microseconds(1)); };
+  return {"chip.pio", Verdict::ok,
+          rig.pio.device + ": a call takes " + in_us(kCalls / 2) + " us (99 %: " + in_us(kCalls * 99 / 100) +
+              " us)"};
+}
+
 Result<CulpritOf> watch_cores(const std::set<int>& cpus, pid_t tid) {
   auto watch = CoreWatch::open(cpus, tid);
   if (!watch) return tl::unexpected(watch.error());
@@ -123,13 +148,14 @@ int check_rig(const Rig& rig, const Options& given) {
   const Options options = options_of_check(given, rig, geteuid() == 0);
   Report report(options.json);
   report.item({"rig file", Verdict::ok, options.config});
-  const bool sequencer = rig.flash_sequencer.fitted();
-  for (const CheckItem& item : sequencer ? inspect_flash_sequencer(rig) : inspect_lines(rig, SystemFiles()))
-    report.item(item);
-  const RealTimeRights trial = probe_real_time(rig.real_time);
+  const bool by_chip = rig.played_by_chip();
   for (const CheckItem& item :
-       real_time_report(rig, trial, !sequencer && trial.pinning.empty() ? find_tick(rig.real_time) : Tick{},
-                        SystemFiles()))
+       rig.flash_sequencer.fitted() ? inspect_flash_sequencer(rig) : inspect_lines(rig, SystemFiles()))
+    report.item(item);
+  if (rig.pio.fitted()) report.item(pio_item(rig));
+  const RealTimeRights trial = probe_real_time(rig.real_time);
+  for (const CheckItem& item : real_time_report(
+           rig, trial, !by_chip && trial.pinning.empty() ? find_tick(rig.real_time) : Tick{}, SystemFiles()))
     report.item(item, options.allow_no_rt);
   report.item(kernel_item(SystemFiles()));
   const std::string fault = session_fault(options.session);
@@ -144,7 +170,7 @@ int check_rig(const Rig& rig, const Options& given) {
   report.item("lcm", lcm.good() ? ""
                                 : "LCM cannot use \"" + options.lcm_url +
                                       "\": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)");
-  if (!sequencer) report_machine(rig, options, report);
+  if (!by_chip) report_machine(rig, options, report);
   report.print_lines_to_paste();
   return report.faults() == 0 ? kExitDone : kExitFailed;
 }

@@ -22,7 +22,7 @@ constexpr double kNsPerS = 1e9;
 Duration rounded(double value, double ns_per_unit) { return nanoseconds(std::llround(value * ns_per_unit)); }
 
 /// Two edges each in a track of 2048.
-constexpr std::int32_t kMaxFlashesOfSequencer = 1024;
+constexpr std::int32_t kMaxFlashesOfChip = 1024;
 
 std::string shortest(double value) {
   std::array<char, 32> text{};
@@ -79,6 +79,34 @@ void read_line(TomlTable& lines, Line which, bool required, Rig& rig) {
   read_bias(table, which, line);
 }
 
+/// A machine of the PIO block writes a span of pins.
+void check_span(TomlTable& lines, const Rig& rig, std::array<Line, 2> span, std::array<Line, 2> others) {
+  const std::int64_t one = rig.line(span[0]).offset, other = rig.line(span[1]).offset;
+  for (const Line which : others) {
+    const std::int64_t pin = rig.line(which).offset;
+    if (std::min(one, other) < pin && pin < std::max(one, other))
+      lines.error_at(line_key(which), std::string("must not lie between lines.") + line_key(span[0]) +
+                                          " and lines." + line_key(span[1]) + " with chip.pio");
+  }
+}
+
+void check_pio_lines(TomlTable& lines, const Rig& rig) {
+  constexpr std::int64_t kPins = 28;
+  for (std::size_t i = 1; i < kLineCount; ++i) {
+    const auto which = static_cast<Line>(i);
+    const LineConfig& line = rig.line(which);
+    if (line.fitted && (line.offset < 0 || line.offset >= kPins))
+      lines.error_at(line_key(which), "must be given by its GPIO number, 0 to 27, with chip.pio");
+  }
+  check_span(lines, rig, {Line::shutter, Line::trigger}, {Line::strobe_a, Line::strobe_b});
+  check_span(lines, rig, {Line::strobe_a, Line::strobe_b}, {Line::shutter, Line::trigger});
+  if (rig.line(Line::key).active_low)
+    lines.error_at("key",
+                   "must not be active_low with chip.pio, which lets outputs through while it is high");
+  if (!rig.line(Line::estop).active_low)
+    lines.error_at("estop", "must be active_low with chip.pio, which lets outputs through while it is high");
+}
+
 void read_lines(TomlTable lines, Rig& rig) {
   for (const Line which :
        {Line::strobe_a, Line::strobe_b, Line::shutter, Line::trigger, Line::key, Line::estop}) {
@@ -98,12 +126,18 @@ void read_lines(TomlTable lines, Rig& rig) {
       }
     }
   }
+  if (rig.pio.fitted()) check_pio_lines(lines, rig);
 }
 
 void read_chip(TomlTable root, Rig& rig) {
   TomlTable chip = root.table("chip");
   rig.chip = chip.string("name");
   rig.chip_file_line = chip.line_of("name");
+  if (!chip.has("pio")) return;
+  rig.pio = {chip.string("pio"), chip.line_of("pio")};
+  if (rig.flash_sequencer.fitted()) chip.error_at("pio", "must not be beside a flash sequencer");
+  if (!rig.pio.device.starts_with("/"))
+    chip.error_at("pio", "must be the path of a PIO block, such as /dev/pio0");
 }
 
 /// Flash sensors that a chip has besides.
@@ -154,8 +188,11 @@ void read_lamps(TomlTable table, Rig& rig) {
   if (lamps.max_on >= lamps.min_period)
     table.error_at("max_on_us", "must be shorter than lamps.min_period_us");
   lamps.max_flashes = static_cast<std::int32_t>(table.integer("max_flashes_per_shot", {1, kMaxFlashes}));
-  if (rig.flash_sequencer.fitted() && lamps.max_flashes > kMaxFlashesOfSequencer)
-    table.error_at("max_flashes_per_shot", "must be at most 1024: a flash sequencer has no room for more");
+  if (rig.played_by_chip() && lamps.max_flashes > kMaxFlashesOfChip)
+    table.error_at("max_flashes_per_shot",
+                   std::string("must be at most 1024: ") +
+                       (rig.pio.fitted() ? "with chip.pio there is" : "a flash sequencer has") +
+                       " no room for more");
 }
 
 void read_sensors(TomlTable table, Rig& rig) {

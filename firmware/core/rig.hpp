@@ -63,6 +63,15 @@ struct Rig {
   std::uint32_t chip_file_line = 0;
   std::array<LineConfig, kLineCount> lines;  ///< indexed by Line
 
+  /// Of the chip, a Raspberry Pi 5's: its PIO block plays the outputs. Their lines are pins then, the pins of
+  /// shutter and trigger not between those of the lamps nor the other way round; key and e-stop are high when
+  /// they allow.
+  struct Pio {
+    std::string device;  ///< empty: strobed sets the outputs itself
+    std::uint32_t file_line = 0;
+    bool fitted() const { return !device.empty(); }
+  } pio;
+
   /// All lines are on it, where its pins are (firmware/sequencer/README.md). A chip may have the flash
   /// sensors besides, so that the kernel stamps their edges, too.
   struct FlashSequencer {
@@ -107,6 +116,8 @@ struct Rig {
   } real_time;
   std::vector<Note> record;
 
+  /// Whether a chip plays a shot's train, which it was given before: how exactly is not up to this computer.
+  bool played_by_chip() const { return flash_sequencer.fitted() || pio.fitted(); }
   const LineConfig& line(Line which) const { return lines[static_cast<std::size_t>(which)]; }
   LineConfig& line(Line which) { return lines[static_cast<std::size_t>(which)]; }
 };

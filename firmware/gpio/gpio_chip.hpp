@@ -37,6 +37,9 @@ class OutputRequest {
   /// One level for each line, in one system call. Returns false if it failed. Real-time safe and
   /// async-signal-safe.
   bool set(std::span<const bool> active) noexcept;
+  /// Makes them outputs once more, inactive, as at the request: a pin that was given to another part of the
+  /// chip meanwhile is the line's again. Likewise.
+  bool take_back() noexcept;
 
   OutputRequest(OutputRequest&&) noexcept;
   OutputRequest& operator=(OutputRequest&&) noexcept;

@@ -13,6 +13,7 @@ namespace {
 
 constexpr const char* kConsumer = "strobed";
 constexpr std::size_t kKernelBuffer = 16;
+constexpr std::array<int, GPIOD_LINE_BULK_MAX_LINES> kAllInactive{};
 
 struct ChipCloser {
   void operator()(gpiod_chip* chip) const { gpiod_chip_close(chip); }
@@ -93,8 +94,7 @@ tl::expected<OutputRequest, RequestFailure> GpioChip::request_outputs(std::span<
     if (line == nullptr) return tl::unexpected(RequestFailure{errno, i});
     gpiod_line_bulk_add(&bulk, line);
   }
-  constexpr std::array<int, GPIOD_LINE_BULK_MAX_LINES> kInactive{};
-  if (gpiod_line_request_bulk_output(&bulk, kConsumer, kInactive.data()) != 0)
+  if (gpiod_line_request_bulk_output(&bulk, kConsumer, kAllInactive.data()) != 0)
     return tl::unexpected(RequestFailure{errno, 0});
   auto impl = std::make_unique<OutputRequest::Impl>();
   impl->bulk = bulk;
@@ -105,6 +105,10 @@ bool OutputRequest::set(std::span<const bool> active) noexcept {
   std::array<int, GPIOD_LINE_BULK_MAX_LINES> levels;
   std::copy(active.begin(), active.end(), levels.begin());
   return gpiod_line_set_value_bulk(&impl_->bulk, levels.data()) == 0;
+}
+
+bool OutputRequest::take_back() noexcept {
+  return gpiod_line_set_direction_output_bulk(&impl_->bulk, kAllInactive.data()) == 0;
 }
 
 struct InputRequest::Impl {

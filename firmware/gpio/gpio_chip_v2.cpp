@@ -101,6 +101,7 @@ class Configuration {
            gpiod_line_config_add_line_settings(lines_.get(), &offset, 1, settings_.get()) == 0;
   }
   gpiod_line_settings* settings() const { return settings_.get(); }
+  gpiod_line_config* lines() const { return lines_.get(); }
 
   Request request(gpiod_chip* chip, std::size_t event_buffer) const {
     if (!request_ || !lines_) return nullptr;
@@ -179,6 +180,7 @@ Bias GpioChip::bias_of(unsigned offset) const {
 
 struct OutputRequest::Impl {
   Request request;
+  Configuration configuration;
 };
 
 OutputRequest::OutputRequest(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -197,7 +199,8 @@ tl::expected<OutputRequest, RequestFailure> GpioChip::request_outputs(std::span<
   }
   Request request = configuration.request(impl_->chip.get(), 0);
   if (!request) return tl::unexpected(impl_->failure(*this, errno, offsets));
-  return OutputRequest(std::make_unique<OutputRequest::Impl>(OutputRequest::Impl{std::move(request)}));
+  return OutputRequest(std::make_unique<OutputRequest::Impl>(
+      OutputRequest::Impl{std::move(request), std::move(configuration)}));
 }
 
 bool OutputRequest::set(std::span<const bool> active) noexcept {
@@ -205,6 +208,10 @@ bool OutputRequest::set(std::span<const bool> active) noexcept {
   for (std::size_t i = 0; i < active.size(); ++i)
     values[i] = active[i] ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE;
   return gpiod_line_request_set_values(impl_->request.get(), values.data()) == 0;
+}
+
+bool OutputRequest::take_back() noexcept {
+  return gpiod_line_request_reconfigure_lines(impl_->request.get(), impl_->configuration.lines()) == 0;
 }
 
 struct InputRequest::Impl {

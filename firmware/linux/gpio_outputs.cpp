@@ -72,6 +72,12 @@ bool GpioOutputs::make_inactive() noexcept {
   return done;
 }
 
+bool GpioOutputs::take_back() noexcept {
+  bool done = true;
+  for (auto& request : requests_) done = request && request->take_back() && done;
+  return done;
+}
+
 void GpioOutputs::release() noexcept {
   for (auto& request : requests_) request.reset();
 }

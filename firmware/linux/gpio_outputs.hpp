@@ -25,6 +25,8 @@ class GpioOutputs final : public OutputLines {
   bool set_lamps(Lamps lamps) noexcept override;
   /// All of them, trigger first, whichever fail. Returns false if one did.
   bool make_inactive() noexcept;
+  /// Likewise, and anew: where their pins had been given to another part of the chip, they are lines again.
+  bool take_back() noexcept;
   /// This process's hold on the lines, which stay as they are; set() fails afterwards.
   void release() noexcept;
 

@@ -1,5 +1,5 @@
-// What a rig's lines are on: a GPIO chip, or a flash sequencer. Opened before strobed forks; the worker then
-// gets the loop's ports from it.
+// What a rig's lines are on: a GPIO chip, a chip whose PIO plays the outputs, or a flash sequencer. Opened
+// before strobed forks; the worker then gets the loop's ports from it.
 #pragma once
 
 #include <memory>

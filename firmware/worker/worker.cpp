@@ -237,7 +237,7 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page, RigDe
   if (auto done = numbers.set_aside(numbers.last_before()); !done) console.say(done.error().message);
   queue.set_shot_id_limit(numbers.limit());
   Sequencer sequencer(rig, {clock, ports->outputs, ports->edges, queue, commands}, numbers.last_before(),
-                      rig.flash_sequencer.fitted() ? Tick{} : find_tick(rig.real_time));
+                      rig.played_by_chip() ? Tick{} : find_tick(rig.real_time));
 
   std::vector<std::string> faults;
   if (std::string fault = lock_memory(); !fault.empty()) faults.push_back(std::move(fault));

@@ -91,6 +91,58 @@ TEST(RigFile, SaysWhatIsWrongWithAFlashSequencer) {
                   error_of(on_sequencer(text, port + "inputs = [\"sensor_a\", \"key\"]\n")).c_str());
 }
 
+namespace {
+
+/// The shipped rig on a Raspberry Pi 5 with this in place of one of its lines.
+std::string on_pio(const std::string& text, const std::string& from = "", const std::string& to = "") {
+  const std::string wiring = "[chip]\nname = \"pinctrl-rp1\"\npio = \"/dev/pio0\"\n[lines]\n"
+                             "strobe_a = { line = 17 }\nstrobe_b = { line = 18 }\nshutter = { line = 22 }\n"
+                             "trigger = { line = 23 }\nsensor_a = { line = 24 }\ngate = { line = 12 }\n"
+                             "key = { line = 16 }\nestop = { line = 20, active_low = true }\n";
+  return on_sequencer(text, replaced(wiring, from, to));
+}
+
+}  // namespace
+
+TEST(RigFile, TheChipsPioMayPlayTheOutputs) {
+  const auto rig = read_rig(on_pio(text), "rig.toml");
+  CHECK_EQUAL(std::string(), error_of(on_pio(text)));
+  CHECK_TRUE(rig->pio.fitted());
+  CHECK_EQUAL(std::string("/dev/pio0"), rig->pio.device);
+  CHECK_EQUAL(line_of(on_pio(text), "pio ="), std::to_string(rig->pio.file_line));
+  CHECK_TRUE(rig->played_by_chip());
+  CHECK_FALSE(rig->flash_sequencer.fitted());
+  const auto without = read_rig(on_pio(text, "pio = \"/dev/pio0\"\n"), "rig.toml");
+  CHECK_FALSE(without->pio.fitted());
+  CHECK_FALSE(without->played_by_chip());
+}
+
+TEST(RigFile, SaysWhichLinesTheChipsPioCannotPlay) {
+  const auto refused = [&](const char* key, const char* words, const std::string& from, const std::string& to) {
+    const std::string error = error_of(on_pio(text, from, to));
+    STRCMP_CONTAINS((std::string(key) + ": " + words).c_str(), error.c_str());
+    const std::string name = std::string(key).substr(std::string(key).find('.') + 1);
+    const std::string line = line_of(on_pio(text, from, to), "\n" + name + " = ");
+    STRCMP_CONTAINS(("rig.toml:" + std::to_string(std::stoi(line) + 1) + ": ").c_str(), error.c_str());
+  };
+  refused("chip.pio", "must be the path of a PIO block", "pio = \"/dev/pio0\"", "pio = \"pio0\"");
+  refused("lines.trigger", "must be given by its GPIO number", "trigger = { line = 23 }", "trigger = { line = \"GPIO23\" }");
+  refused("lines.gate", "must be given by its GPIO number", "gate = { line = 12 }", "gate = { line = 28 }");
+  refused("lines.shutter", "must not lie between lines.strobe_a and lines.strobe_b", "strobe_b = { line = 18 }",
+          "strobe_b = { line = 27 }");
+  refused("lines.strobe_a", "must not lie between lines.shutter and lines.trigger", "shutter = { line = 22 }",
+          "shutter = { line = 13 }");
+  refused("lines.key", "must not be active_low", "key = { line = 16 }", "key = { line = 16, active_low = true }");
+  refused("lines.estop", "must be active_low", "estop = { line = 20, active_low = true }", "estop = { line = 20 }");
+  STRCMP_CONTAINS("chip.pio: must not be beside a flash sequencer",
+                  error_of(on_sequencer(text, "[chip]\nname = \"pinctrl-rp1\"\npio = \"/dev/pio0\"\n[lines]\n"
+                                              "sensor_a = { line = 24 }\n[sequencer]\nport = \"/dev/ttyAMA0\"\n"))
+                      .c_str());
+  STRCMP_CONTAINS(
+      "lamps.max_flashes_per_shot: must be at most 1024: with chip.pio",
+      error_of(replaced(on_pio(text), "max_flashes_per_shot = 400", "max_flashes_per_shot = 1025")).c_str());
+}
+
 TEST(RigFile, ReadsTheShippedRig) {
   const auto rig = read_rig(text, "rig.toml");
   CHECK_EQUAL(std::string(), error_of(text));

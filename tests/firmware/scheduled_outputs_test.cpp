@@ -1,5 +1,5 @@
-// What every way to play a shot's pulses must do: each case runs on pulses timed by software and on those of a flash
-// sequencer. What the pins did is what the benches recorded, not what the outputs told.
+// What every way to play a shot's pulses must do: each case runs on pulses timed by software, on those of a flash
+// sequencer, and on those of a Raspberry Pi 5's PIO. What the pins did is what the benches recorded, not what the outputs told.
 #include "firmware/ports/scheduled_outputs.hpp"
 
 #include <memory>
@@ -8,6 +8,7 @@
 #include "firmware/core/pulse_schedule.hpp"
 #include "firmware/core/timed_outputs.hpp"
 #include "tests/firmware/flash_sequencer_bench.hpp"
+#include "tests/firmware/rp1_bench.hpp"
 
 #include "tests/support/string_from.hpp"
 
@@ -92,6 +93,42 @@ struct SequencerBench final : Bench {
   Duration told_within() const override { return microseconds(1); }
   Duration planned_within() const override { return microseconds(1); }
   Duration cut_within() const override { return microseconds(500); }  // a frame, and what is on its way before it
+};
+
+struct PioBench final : Bench {
+  Rp1Bench bench;
+  PioBench() {
+    CHECK_TRUE(bench.taken);
+    CHECK_TRUE_TEXT(bench.connected.has_value(), bench.connected ? "" : bench.connected.error().message.c_str());
+    while (bench.rp1.time < from_ns(8'000'000'000)) {
+      std::array<Edge, 8> edges;
+      bench.inputs.wait(bench.rp1.time + milliseconds(50), edges);
+    }
+  }
+  ScheduledOutputs& outputs() override { return bench.outputs; }
+  Clock& clock() override { return bench.rp1; }
+  EdgeSource& edges() override { return bench.inputs; }
+  void interrupt_gate(MonoTime at) override { bench.rp1.schedule(at, rp1_pin::gate, true); }
+  std::vector<Pin> pins() override {
+    bench.rp1.block.advance();
+    std::vector<Pin> pins;
+    for (const SimulatedPioBlock::PinChange& pin : bench.rp1.block.pins) {
+      if (pin.pin == rp1_pin::strobe_b) continue;  // all flashes here are of both
+      pins.push_back({pin.time,
+                      pin.pin == rp1_pin::shutter   ? Output::shutter
+                      : pin.pin == rp1_pin::trigger ? Output::trigger
+                                            : Output::strobes,
+                      pin.level});
+    }
+    return pins;
+  }
+  // The call that starts the train took at most 30 us: what is told is its middle. A gate's stamp is up to 5 us late. The
+  // drift's rest over a shot and the clocks' relation are less than 1 us.
+  Duration told_within() const override { return microseconds(16); }
+  Duration planned_within() const override { return microseconds(17); }  // and the start is aimed at the middle
+  // Whoever asks wakes the sequencer's thread after 10 us; calls of 30 us each: two that feed the watchers and are under
+  // way, two that cut.
+  Duration cut_within() const override { return microseconds(200); }
 };
 
 /// Keeps all that is told, and says no to what it is asked to.
@@ -185,6 +222,8 @@ void on_each(Case&& run) {
   run(static_cast<Bench&>(timed));
   SequencerBench sequencer;
   run(static_cast<Bench&>(sequencer));
+  PioBench pio;
+  run(static_cast<Bench&>(pio));
 }
 
 bool within(Duration limit, MonoTime one, MonoTime other) { return one - other <= limit && other - one <= limit; }

@@ -2,7 +2,9 @@
 #include <pthread.h>
 #include <sched.h>
 
+#include <algorithm>
 #include <atomic>
+#include <fstream>
 #include <map>
 #include <sstream>
 #include <string>
@@ -204,6 +206,29 @@ TEST(Boards, AreToldApart) {
   const std::string out = checked(share("boards") / "raspberry-pi-5.toml", chip.dir());
   STRCMP_CONTAINS("there is no chip \"pinctrl-rp1\"; there are ", out.c_str());
   STRCMP_CONTAINS("/dev/gpiochip11 (pinctrl-bcm2711)", out.c_str());
+}
+
+// As far as there is no Raspberry Pi 5 here.
+TEST(Boards, OfARaspberryPi5SayThatItsPioIsNotThere) {
+  if (std::filesystem::exists("/dev/pio0")) skip("there is a /dev/pio0 here");
+  std::string text = read_text(share("boards") / "raspberry-pi-5.toml");
+  const auto pio = text.find("#pio = ");
+  CHECK(pio != text.npos);
+  text.erase(pio, 1);
+  const std::filesystem::path rig = folder / "rig.toml";
+  std::ofstream(rig) << text;
+  const strobe::sim::Chip chip = chip_of(folder / "chip", "pinctrl-rp1");
+  const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(pio), '\n');
+  const std::string words = rig.string() + ":" + std::to_string(line) + ": chip.pio: \"/dev/pio0\" is not there: ";
+  STRCMP_CONTAINS(("chip.pio         " + words).c_str(), checked(rig, chip.dir()).c_str());
+
+  Command command;
+  command.arguments = {program("strobed"), "--allow-no-rt", "--config", rig, "--session", folder / "session"};
+  command.environment = strobe::hil::environment_of_chip(chip.dir());
+  command.environment["HOME"] = folder.path();
+  const auto ended = run_process(command, 20s);
+  LONGS_EQUAL(2, ended.status ? ended.status->code : -1);
+  STRCMP_CONTAINS(("strobed: " + words).c_str(), ended.err.c_str());
 }
 
 // A machine made bad on purpose, in its own time. That a good one is called good is not judged, nor that nobody else is

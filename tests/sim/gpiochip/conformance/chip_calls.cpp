@@ -92,6 +92,8 @@ void outputs() {
   say_user("user of the first", chip.user_of(line_a));
   say("both active", two->set(std::array{true, true}));
   say("one active", two->set(std::array{true, false}));
+  say("taken back", two->take_back());
+  say("one active once more", two->set(std::array{true, false}));
   say_outcome("request again by the same", chip.request_outputs(first()));
   const unsigned past = 1000;
   say_outcome("of a line past the last", chip.request_outputs(std::span(&past, 1)));
