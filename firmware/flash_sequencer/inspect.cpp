@@ -101,8 +101,8 @@ std::vector<CheckItem> inspect_flash_sequencer(const Rig& rig) {
                            port + ": the flash sequencer's watchdog had reset it: its program hung, or its "
                                   "supply dips; note it, and take its power away once"}
                : CheckItem{"sequencer.port", Verdict::ok, port},
-          clock_item(link.clock_relation(), link.status().received), replies_item(rig, SystemFiles()),
-          inputs_item(link.inputs())};
+          answer_times(link, clock), clock_item(link.clock_relation(), link.status().received),
+          replies_item(rig, SystemFiles()), inputs_item(link.inputs())};
 }
 
 }  // namespace strobe::firmware
