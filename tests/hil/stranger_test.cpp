@@ -222,8 +222,12 @@ TEST(Flood, OfTheBusDuringAShotCostsNoEvent) {
   CHECK(host.wait([&] { return host.status().state == strobe_msgs::status_t::STOPPED; }, kLongestWait));
   std::int64_t packets = 0;
   {
-    Flooder flooder(bench.lcm_url(), "bench", host.sealed(disarm, host.key()));
     auto fire = bench.start(bench.fire(1, kRetriesInRealTime));
+    // When the person gave the command is judged by the newest status: one that the flood kept waiting would put it before
+    // the stop, and the reset is refused.
+    const auto armed = [&] { return host.status().state != strobe_msgs::status_t::STOPPED && host.status().state != strobe_msgs::status_t::IDLE; };
+    CHECK_TEXT(host.wait(armed, kLongestWait), fire.err().c_str());
+    Flooder flooder(bench.lcm_url(), "bench", host.sealed(disarm, host.key()));
     const bool read = fire.wait_for_out("vx_td_mps", 60s);
     packets = flooder.stop();
     const auto ended = fire.wait(30s);
