@@ -14,7 +14,7 @@ struct Progress {
   bool underrun = false;  ///< an edge came too late
 };
 
-/// One thread's. No call waits.
+/// One thread's. No call waits for an instant or an edge.
 class Hardware {
  public:
   virtual ~Hardware() = default;

@@ -105,8 +105,9 @@ Result<std::unique_ptr<DevPio>> DevPio::open(const Rig& rig) {
 
 std::string DevPio::in_use() {
   for (unsigned machine = 0; machine < kMachineCount; ++machine) {
-    MaskArguments mask{narrow(1U << machine)};
-    const int claimed = ioctl_(fd_, kIsClaimed, &mask);
+    // The driver writes back as many bytes as its answer says, whatever the argument's size.
+    std::array<std::uint16_t, 8> mask{narrow(1U << machine)};
+    const int claimed = ioctl_(fd_, kIsClaimed, mask.data());
     if (claimed < 0 && errno == ENOTTY) return "is no PIO block";
     if (claimed < 0) return std::string("does not answer: ") + std::strerror(errno);
     if (claimed > 0) return "has machines that another program uses: end it, all four are needed";
@@ -168,41 +169,40 @@ std::optional<std::uint32_t> DevPio::get(unsigned machine) noexcept {
 // ---- transfers ----
 
 void DevPio::start(int priority) {
-  for (Mover& mover : movers_)
-    mover.thread = std::thread([this, &mover, priority] { move(mover, priority); });
+  for (unsigned machine = 0; machine < kTransfers; ++machine)
+    movers_[machine].thread = std::thread([this, machine, priority] { move(machine, priority); });
 }
 
-void DevPio::move(Mover& mover, int priority) noexcept {
+void DevPio::move(unsigned machine, int priority) noexcept {
   become_real_time(priority);  // what is wrong with the rights is told of the loop's
   prefault_stack();
+  Mover& mover = movers_[machine];
   for (;;) {
     mover.task.wait(Task::none);
     if (mover.task == Task::stop) return;
-    TransferArguments arguments{.machine = narrow(mover.machine),
+    TransferArguments arguments{.machine = narrow(machine),
                                 .direction = kToMachine,
                                 .bytes = narrow(static_cast<unsigned>(mover.words.size_bytes())),
                                 .words = mover.words.data()};
-    // It fails when the machine takes no word for a second, and the DMA goes on all the same.
-    (void)ask(kTransfer, arguments);
+    // It fails when the transfer takes more than a second, which goes on all the same.
+    if (!ask(kTransfer, arguments)) mover.outlasted = true;
     Task asked = Task::asked;  // unless it is to stop
     mover.task.compare_exchange_strong(asked, Task::none);
   }
 }
 
+/// A channel is configured once: the driver of kernels before July 2026 sleeps with a spinlock held where a
+/// channel is configured anew.
 bool DevPio::transfer(unsigned machine, std::span<const std::uint32_t> words) noexcept {
-  Channel& channel = channels_[machine];
-  if (words.size() > kMaxWords || channel == Channel::busy) return false;
+  if (machine >= kTransfers || words.size() > kMaxWords) return false;
+  Mover& mover = movers_[machine];
+  if (!mover.thread.joinable() || mover.task != Task::none) return false;
   ChannelArguments arguments{narrow(machine), kToMachine, kBufferBytes, 1};
-  if (channel == Channel::none && !ask(kConfigureChannel, arguments)) return false;
-  const auto idle = std::find_if(movers_.begin(), movers_.end(), [](const Mover& mover) {
-    return mover.thread.joinable() && mover.task == Task::none;
-  });
-  if (idle == movers_.end()) return false;
-  channel = Channel::busy;
-  idle->machine = machine;
-  idle->words = words;
-  idle->task = Task::asked;
-  idle->task.notify_one();
+  mover.configured = mover.configured || ask(kConfigureChannel, arguments);
+  if (!mover.configured) return false;
+  mover.words = words;
+  mover.task = Task::asked;
+  mover.task.notify_one();
   return begun(machine, words.size());
 }
 
@@ -211,21 +211,26 @@ bool DevPio::begun(unsigned machine, std::size_t words) noexcept {
   constexpr std::size_t kFirst = 4;  ///< that the DMA brings at once
   constexpr int kTries = 500;        ///< of some 10 us
   for (int tries = 0; tries < kTries; ++tries) {
-    QueueArguments queue{.machine = narrow(machine), .to_machine = 1};
-    if (!ask(kQueueState, queue)) return false;
-    if (queue.level >= std::min(words, kFirst)) return true;
+    const auto level = queued(machine);
+    if (!level) return false;
+    if (*level >= std::min(words, kFirst)) return true;
   }
   return false;
 }
 
-/// A channel that is configured anew is emptied.
-bool DevPio::drop_transfer(unsigned machine) noexcept {
-  if (channels_[machine] != Channel::busy) return true;
-  channels_[machine] = Channel::none;
-  ChannelArguments arguments{narrow(machine), kToMachine, kBufferBytes, 1};
-  if (!ask(kConfigureChannel, arguments)) return false;
-  channels_[machine] = Channel::ready;
-  return true;
+/// Once a request has ended before its transfer, the driver takes each later one to be over when the one
+/// before is: then it is over when nothing has come for longer than a whole train takes.
+bool DevPio::transferring(unsigned machine) noexcept {
+  if (machine >= kTransfers || movers_[machine].task != Task::none) return machine < kTransfers;
+  constexpr int kLooks = 500;  ///< of some us
+  for (int look = 0; look < (movers_[machine].outlasted ? kLooks : 1); ++look)
+    if (queued(machine).value_or(1) != 0) return true;
+  return false;
+}
+
+std::optional<unsigned> DevPio::queued(unsigned machine) noexcept {
+  QueueArguments queue{.machine = narrow(machine), .to_machine = 1};
+  return ask(kQueueState, queue) ? std::optional<unsigned>(queue.level) : std::nullopt;
 }
 
 }  // namespace strobe::firmware

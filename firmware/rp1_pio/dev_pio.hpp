@@ -1,6 +1,7 @@
 // The PIO block of a Raspberry Pi 5 by its device, /dev/pio0: requests of Linux's rp1-pio driver
 // (drivers/misc/rp1-pio.c and include/uapi/misc/rp1_pio_if.h of raspberrypi/linux). The machines are not
-// claimed: the driver stops claimed ones when the device is closed, and their pins would stay as they are.
+// claimed: the driver stops claimed ones when the device is closed, watchers too. So a program that does not
+// ask whether the device is locked (flock(2)) can take them.
 #pragma once
 
 #include <array>
@@ -21,7 +22,7 @@ class DevPio final : public PioBlock {
   /// ioctl(2), or what stands in for it.
   using Ioctl = int (*)(int fd, unsigned long request, void* argument);
 
-  /// Takes the rig's block for this process and its children, and for no other program. Errors name the rig
+  /// Takes the rig's block for this process and its children, and for no other strobed. Errors name the rig
   /// file's line, and say what to do.
   static Result<std::unique_ptr<DevPio>> open(const Rig& rig);
   /// fd is closed in the end.
@@ -44,19 +45,22 @@ class DevPio final : public PioBlock {
   bool disable(unsigned machines) noexcept override;
   bool drive(unsigned pin) noexcept override;
   std::optional<std::uint32_t> get(unsigned machine) noexcept override;
-  /// Valid: up to kMaxWords.
+  /// Valid: to the machines below kTransfers, up to kMaxWords.
   bool transfer(unsigned machine, std::span<const std::uint32_t> words) noexcept override;
-  bool drop_transfer(unsigned machine) noexcept override;
+  bool transferring(unsigned machine) noexcept override;
+  std::optional<unsigned> queued(unsigned machine) noexcept override;
 
+  static constexpr std::size_t kTransfers = 2;
   static constexpr std::size_t kMaxWords = 4096;
 
  private:
   enum class Task : std::uint8_t { none, asked, stop };
-  /// A thread and what it is to transfer.
+  /// A machine's thread, and what it is to transfer.
   struct Mover {
     std::atomic<Task> task{Task::none};
-    unsigned machine = 0;
     std::span<const std::uint32_t> words;
+    std::atomic<bool> outlasted{false};  ///< a request has ended before its transfer
+    bool configured = false;
     std::thread thread;
   };
 
@@ -64,15 +68,12 @@ class DevPio final : public PioBlock {
   bool ask(unsigned long request, Arguments& arguments) const noexcept {
     return ioctl_(fd_, request, &arguments) >= 0;
   }
-  void move(Mover& mover, int priority) noexcept;
+  void move(unsigned machine, int priority) noexcept;
   bool begun(unsigned machine, std::size_t words) noexcept;
 
   std::atomic<int> fd_;
   Ioctl ioctl_;
-  /// One that was dropped sleeps for up to a second yet.
-  std::array<Mover, 4> movers_;
-  enum class Channel : std::uint8_t { none, ready, busy };
-  std::array<Channel, kMachineCount> channels_{};
+  std::array<Mover, kTransfers> movers_;
 };
 
 }  // namespace strobe::firmware

@@ -44,11 +44,14 @@ class PioBlock {
   /// The oldest word from the machine; nullopt as well if there is none.
   virtual std::optional<std::uint32_t> get(unsigned machine) noexcept = 0;
   /// Words to the machine, by DMA as it takes them, without waiting for that; its queue is full, or holds
-  /// them all, once this has returned. They must stay as they are until drop_transfer(). One at a time for
+  /// them all, once this has returned. They must stay as they are while transferring(). One at a time for
   /// each machine, and after set_up().
   virtual bool transfer(unsigned machine, std::span<const std::uint32_t> words) noexcept = 0;
-  /// Ends the machine's transfer, wherever it is; what is queued stays queued.
-  virtual bool drop_transfer(unsigned machine) noexcept = 0;
+  /// Whether words of a transfer may still come to the machine, or wait for it. A transfer cannot be called
+  /// back: the machine takes all of it.
+  virtual bool transferring(unsigned machine) noexcept = 0;
+  /// Words that wait for the machine.
+  virtual std::optional<unsigned> queued(unsigned machine) noexcept = 0;
 };
 
 }  // namespace strobe::firmware

@@ -208,14 +208,13 @@ void Rp1Hardware::cut() {
   cut_obeyed_ = block_.disable(kPlayers) && cut_obeyed_;
   if (!cut_) (void)progress();  // as it is now
   cut_ = true;
-  for (std::size_t index = 0; index < kTrackCount; ++index) {
-    if (!tracks_[index].empty()) block_.drop_transfer(static_cast<unsigned>(index));
-  }
   forget_train();
 }
 
 bool Rp1Hardware::release() {
   if ((inputs() & (bit(InputLine::key) | bit(InputLine::estop))) != bit(InputLine::key)) return false;
+  if (!cut_obeyed_) cut();
+  if (!cut_obeyed_) return false;
   bool done = true;
   for (const unsigned watcher : kWatchers) {
     drain(watcher);

@@ -85,8 +85,10 @@ class Rp1Hardware final : public flash_sequencer::Hardware {
     std::size_t played = 0;  ///< edges whose time has come
     Duration next{};         ///< from the track's begin to the one after these
     MonoTime looked_at;      ///< for its end
-    bool ended = false;      ///< its word has come
-    bool over = false;       ///< and the instant of its end was right, or it will never begin
+    MonoTime queue_looked_at;
+    int empty_looks = 0;  ///< at its machine's queue, the last ones
+    bool ended = false;   ///< its word has come
+    bool over = false;    ///< and the instant of its end was right, or it will never begin
     bool empty() const noexcept { return edges.empty(); }
   };
   /// When a machine had that count of cycles.
@@ -113,6 +115,7 @@ class Rp1Hardware final : public flash_sequencer::Hardware {
 
   void forget_train() noexcept;
   bool load(std::size_t index, std::span<const Edge> edges) noexcept;
+  bool flush(unsigned machine) noexcept;
   std::uint32_t word_of(std::uint32_t levels, std::size_t index) const noexcept;
   std::int64_t cycles_in(Duration duration) const noexcept;
   void fail_train() noexcept { progress_.underrun = true; }
@@ -129,6 +132,7 @@ class Rp1Hardware final : public flash_sequencer::Hardware {
   MonoTime begin_of(std::size_t index) const noexcept;
   MonoTime end_due(std::size_t index) const noexcept;
   void watch_train() noexcept;
+  void watch_queue(std::size_t index) noexcept;
   void watch_end(std::size_t index) noexcept;
   std::size_t played(std::size_t index) noexcept;
   std::uint8_t planned_levels();

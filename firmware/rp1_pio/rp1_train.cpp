@@ -28,6 +28,9 @@ constexpr int kTries = 4;
 
 /// The train's end is looked for so long after its instant, then again and again.
 constexpr Duration kEndAfter = microseconds(30), kEndEvery = microseconds(200);
+/// Its machine's words are looked for so often; if there are none for so many times they do not come.
+constexpr Duration kQueueEvery = microseconds(400);
+constexpr int kMaxEmptyLooks = 2;
 /// A count is no further from the truth than its bracket, but for so much.
 constexpr Duration kCountWithin = microseconds(2);
 /// NTP has CLOCK_MONOTONIC run faster or slower for a while, by so much in a bad case.
@@ -39,6 +42,9 @@ Duration length_of(Ticks ticks) { return Duration{ticks * kTick_ns}; }
 MonoTime instant_of(Ticks ticks) { return from_ns(ticks * kTick_ns); }
 Ticks ticks_at(MonoTime time) { return known(time) ? to_ns(time) / kTick_ns : kNoTicks; }
 
+/// Of a delay: what X has room for, less the longest lead.
+constexpr std::int64_t kMaxCycles = 0xffff'ffff - kLongLead / nanoseconds(PioBlock::kCycle_ns) * 2;
+
 constexpr unsigned machine_of(std::size_t index) { return static_cast<unsigned>(index); }
 
 }  // namespace
@@ -48,7 +54,7 @@ constexpr unsigned machine_of(std::size_t index) { return static_cast<unsigned>(
 void Rp1Hardware::prepare(std::span<Edge> movers, std::span<Edge> lamps) {
   forget_train();
   progress_ = {};
-  train_ = true;
+  train_ = !movers.empty() || !lamps.empty();
   drift_sd_ = drift_sd(clock_.now());
   const bool loaded = block_.disable(1U << kMovers | 1U << kLamps) && load(kMovers, movers) &&
                       load(kLamps, lamps) && aim(kShortLead);
@@ -73,7 +79,8 @@ bool Rp1Hardware::load(std::size_t index, std::span<const Edge> edges) noexcept 
   Track& track = tracks_[index];
   track.edges = edges;
   track.ended = false;
-  track.looked_at = {};
+  track.looked_at = track.queue_looked_at = {};
+  track.empty_looks = 0;
   track.over = track.empty();
   track.played = 0;
   track.length = {};
@@ -84,6 +91,7 @@ bool Rp1Hardware::load(std::size_t index, std::span<const Edge> edges) noexcept 
   for (const Edge& edge : edges) {
     track.length += length_of(edge.delay);
     const std::int64_t at = cycles_in(track.length);
+    if (at - before > kMaxCycles) return false;
     if (count == 0)
       track.first_cycles = at;
     else
@@ -92,9 +100,21 @@ bool Rp1Hardware::load(std::size_t index, std::span<const Edge> edges) noexcept 
     before = at;
   }
   const unsigned machine = machine_of(index);
-  return block_.drop_transfer(machine) && set_up_player(index, kPlay) &&
+  return flush(machine) && set_up_player(index, kPlay) &&
          block_.transfer(machine, std::span(track.words).first(count)) &&
          set_register(machine, pio::To::y, static_cast<std::uint32_t>(edges.size() - 1));
+}
+
+/// What is left of an earlier train's words goes nowhere: the machine takes them all, and does nothing else.
+bool Rp1Hardware::flush(unsigned machine) noexcept {
+  if (!block_.transferring(machine)) return true;
+  const PioBlock::Registers registers{.execctrl = pio::wrap(kNextEdge, kNextEdge),
+                                      .shiftctrl = pio::kShiftOutRight | pio::kAutopull};
+  if (!block_.set_up(machine, registers, kNextEdge) || !block_.enable(1U << machine)) return false;
+  constexpr int kLooks = 500;
+  int looks = 0;
+  while (block_.transferring(machine) && looks < kLooks) ++looks;
+  return looks < kLooks && block_.disable(1U << machine);
 }
 
 std::uint32_t Rp1Hardware::word_of(std::uint32_t levels, std::size_t index) const noexcept {
@@ -231,16 +251,15 @@ void Rp1Hardware::hear_gate() noexcept {
   } else if (known(gate_stamp_)) {
     burst_begin_ = gate_stamp_;
   } else if (now - gate_heard_ > kStampLate) {
-    burst_begin_ = gate_heard_;
+    fail_train();  // when it began is not known
   }
 }
 
 /// For good. An edge in between does not count.
 void Rp1Hardware::close_gate() noexcept {
   gate_ = Gate::closed;
-  const bool done = block_.disable(1U << kLamps) &&
-                    block_.execute(kLamps, pio::mov(pio::To::pins, pio::From::null)) &&
-                    block_.drop_transfer(kLamps);
+  const bool done =
+      block_.disable(1U << kLamps) && block_.execute(kLamps, pio::mov(pio::To::pins, pio::From::null));
   if (!done) fail_train();
   tracks_[kLamps].edges = {};
   tracks_[kLamps].over = true;
@@ -264,9 +283,24 @@ void Rp1Hardware::watch_train() noexcept {
   if (!known(begin_)) return;
   keep_gate();
   for (std::size_t index = 0; index < kTrackCount; ++index) {
+    watch_queue(index);
     if (clock_.now() >= end_due(index)) watch_end(index);
   }
   train_ = !(tracks_[kMovers].over && tracks_[kLamps].over);
+}
+
+/// A machine whose words do not come stands still, with its outputs as they are.
+void Rp1Hardware::watch_queue(std::size_t index) noexcept {
+  Track& track = tracks_[index];
+  // Of edges so near to the end the words are out of the queue, or their time has come unseen.
+  constexpr std::size_t kLast = 3;
+  const MonoTime now = clock_.now();
+  if (track.over || !known(begin_of(index)) || now < track.queue_looked_at + kQueueEvery) return;
+  if (track.edges.size() - played(index) <= kLast) return;
+  track.queue_looked_at = now;
+  const auto queued = block_.queued(machine_of(index));
+  if (queued && *queued != 0) track.empty_looks = 0;
+  if (queued && *queued == 0 && ++track.empty_looks == kMaxEmptyLooks) fail_train();
 }
 
 /// A track that is over at another instant than it should be was not fed in time.

@@ -143,7 +143,7 @@ class PioOutputs final : public FlashSequencerOutputs {
         .append(ppb(clocks.drift))
         .append(" ppb, known to ")
         .append(ppb(clocks.drift_sd))
-        .append(" ppb; stamped by the kernel");
+        .append(" ppb; sensors and gate stamped by the kernel");
   }
 
  private:
@@ -158,8 +158,9 @@ class PioDevice final : public RigDevice {
       : rig_(rig), lines_(std::move(lines)), block_(std::move(block)) {}
 
   bool make_inactive() noexcept override {
-    const bool cut = firmware::cut_outputs(*block_);  // within a cycle
-    return lines_.take_back() || cut;
+    const bool taken_back =
+        lines_.take_back();  // asks nothing of the board's firmware, for which others may wait
+    return firmware::cut_outputs(*block_) || taken_back;
   }
   void release() noexcept override {
     if (heartbeat_) heartbeat_->stop();

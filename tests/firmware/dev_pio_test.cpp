@@ -48,6 +48,10 @@ struct Driver {
     transfers_end = true;
     changed.notify_all();
   }
+  void set_level(unsigned words_queued) {
+    const std::lock_guard lock(mutex);
+    level = words_queued;
+  }
   const Call& last() const { return calls.back(); }
 };
 Driver* driver = nullptr;
@@ -166,7 +170,7 @@ TEST(DevPio, ARequestThatFailsIsTold) {
   CHECK_FALSE(block->transfer(1, std::vector<std::uint32_t>(3)));
 }
 
-TEST(DevPio, ATransferDoesNotWaitForItsEndAndIsEndedByANewChannel) {
+TEST(DevPio, ATransferDoesNotWaitForItsEnd) {
   block->start(1);
   const std::vector<std::uint32_t> words(4095);
   CHECK_TRUE(transfer(1, words));  // while its request sleeps
@@ -178,15 +182,24 @@ TEST(DevPio, ATransferDoesNotWaitForItsEndAndIsEndedByANewChannel) {
     if (call.request == kConfigXfer) CHECK_TRUE((call.bytes == Bytes{1, 0, 0, 0, 0, 0x40, 1, 0}));
     if (call.request == kXferData) CHECK_TRUE(call.bytes == sent);
   }
+  CHECK_TRUE(block->transferring(1));
   CHECK_FALSE(block->transfer(1, words));  // one at a time
   CHECK_TRUE(transfer(0, words));
+  CHECK_FALSE(block->transfer(2, words));
+}
 
-  CHECK_TRUE(block->drop_transfer(1));
-  LONGS_EQUAL(3, count_of(kConfigXfer));
-  CHECK_TRUE(transfer(1, words));  // while the one before sleeps yet
-  LONGS_EQUAL(3, count_of(kConfigXfer));
-  CHECK_TRUE(block->drop_transfer(2));
-  LONGS_EQUAL(3, count_of(kConfigXfer));
+TEST(DevPio, ATransferIsOverWhenItsRequestAndItsQueueSaySo) {
+  block->start(1);
+  const std::vector<std::uint32_t> words(9);
+  CHECK_TRUE(transfer(1, words));
+  fake.end_transfers();  // the request fails: it was given up while the words still went
+  CHECK_TRUE(block->transferring(1));
+  CHECK_EQUAL(8U, block->queued(1).value_or(0));
+  fake.set_level(0);
+  while (block->transferring(1)) continue;
+  CHECK_FALSE(block->transferring(0));
+  CHECK_TRUE(transfer(1, words));
+  LONGS_EQUAL(1, count_of(kConfigXfer));
 }
 
 TEST(DevPio, ATransferWhoseWordsDoNotComeIsTold) {
@@ -194,7 +207,7 @@ TEST(DevPio, ATransferWhoseWordsDoNotComeIsTold) {
   fake.fills_by = 3;
   CHECK_FALSE(transfer(1, std::vector<std::uint32_t>(9)));
   CHECK_TRUE(transfer(0, std::vector<std::uint32_t>(3)));
-  CHECK_FALSE(block->transfer(2, std::vector<std::uint32_t>(DevPio::kMaxWords + 1)));
+  CHECK_FALSE(block->transfer(0, std::vector<std::uint32_t>(DevPio::kMaxWords + 1)));
 }
 
 TEST(DevPio, WhatCannotBeOpenedSaysWhatToDo) {

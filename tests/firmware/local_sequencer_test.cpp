@@ -197,13 +197,6 @@ TEST(LocalSequencer, OutputsAreCutWhenTheLoopsBeatsStop) {
   CHECK_FALSE(shot.failure.empty());
 }
 
-TEST(LocalSequencer, TheKernelTakesThePinsBackWhateverTheBlockDoes) {
-  UnderWay shot;
-  for (const unsigned pin : {rp1_pin::trigger, rp1_pin::strobe_a, rp1_pin::strobe_b, rp1_pin::shutter}) shot.bench.rp1.block.take_back(pin);
-  const MonoTime now = shot.bench.rp1.time;
-  CHECK(shot.low_after(now) <= Duration{});
-}
-
 namespace {
 
 /// Real time passes by itself; the block's calls take what they take.

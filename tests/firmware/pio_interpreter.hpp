@@ -156,10 +156,8 @@ class SimulatedPioBlock final : public firmware::PioBlock {
   bool drive(unsigned pin) noexcept override;
   std::optional<std::uint32_t> get(unsigned machine) noexcept override;
   bool transfer(unsigned machine, std::span<const std::uint32_t> words) noexcept override;
-  bool drop_transfer(unsigned machine) noexcept override;
-
-  /// The kernel takes the pin back as an output, low.
-  void take_back(unsigned pin);
+  bool transferring(unsigned machine) noexcept override;
+  std::optional<unsigned> queued(unsigned machine) noexcept override;
 
  private:
   struct Transfer {
@@ -178,7 +176,8 @@ class SimulatedPioBlock final : public firmware::PioBlock {
   MonoTime began_;
   double drift_;
   std::mt19937 random_;
-  PioInterpreter pio_{8};
+  static constexpr unsigned kQueued = 8;
+  PioInterpreter pio_{kQueued};
   std::array<Transfer, kMachineCount> transfers_;
   std::uint32_t driven_ = 0, levels_ = 0;  ///< pins
 };

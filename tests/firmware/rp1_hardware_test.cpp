@@ -156,7 +156,11 @@ class FlakyBlock final : public firmware::PioBlock {
   bool transfer(unsigned machine, std::span<const std::uint32_t> words) noexcept override {
     return call([&] { return block_.transfer(machine, words); });
   }
-  bool drop_transfer(unsigned machine) noexcept override { return call([&] { return block_.drop_transfer(machine); }); }
+  bool transferring(unsigned machine) noexcept override { return fails() || block_.transferring(machine); }
+  std::optional<unsigned> queued(unsigned machine) noexcept override {
+    if (fails()) return fails() ? std::optional(0U) : std::nullopt;
+    return block_.queued(machine);
+  }
 
  private:
   bool fails() { return share > 0.0 && std::uniform_real_distribution<double>()(random_) < share; }
@@ -588,6 +592,56 @@ TEST(Rp1Hardware, EdgesThatTheDmaBringsTooLateAreTold) {
   bench.block().dma_word = microseconds(2);
   bench.begin({}, pulses(2, 100, milliseconds(1), microseconds(1), microseconds(1)), milliseconds(40));
   LONGS_EQUAL(CutCause::underrun, bench.play().cut);
+}
+
+TEST(Rp1Hardware, AnOutputStaysOnForTwoMillisecondsAtMostWhereEdgesDoNotCome) {
+  Bench bench;
+  bench.get_ready();
+  const MonoTime begin = bench.begin(long_shutter, flashes, milliseconds(30));
+  bench.turn_until(begin + milliseconds(10));
+  bench.block().dma_word = milliseconds(1000);
+  LONGS_EQUAL(CutCause::underrun, bench.play().cut);
+  CHECK_TRUE(all_low(bench));
+  // Eight words are queued and two are in the machine: 2.5 ms of flashes. Then two looks .4 ms apart, each a turn of .8 ms
+  // and calls later at most.
+  CHECK_TRUE(last_change(bench) < begin + milliseconds(10) + microseconds(2500 + 2000));
+}
+
+TEST(Rp1Hardware, NothingOfATrainThatWasCutIsPlayedInTheNext) {
+  std::mt19937 random(21);
+  for (int i = 0; i < 20; ++i) {
+    Bench bench(0.0, random());
+    bench.get_ready();
+    const MonoTime begin = bench.begin(long_shutter, flashes, milliseconds(30));
+    bench.turn_until(begin + bench.machine.draw({}, milliseconds(45)));
+    bench.carry_out(fs::to_frame(Request::abort));
+    bench.turn_for(milliseconds(5));
+    bench.carry_out(fs::to_frame(Request::reset));
+    const auto others = pulses(3, 5, milliseconds(1), microseconds(300), microseconds(500));
+    bench.begin({}, others, milliseconds(30));
+    LONGS_EQUAL(CutCause::none, bench.play().cut);
+    check_edges(bench, fs::Track::lamps, others);
+  }
+}
+
+TEST(Rp1Hardware, ADelayThatTheMachineCannotCountIsNotPlayed) {
+  Bench bench;
+  bench.get_ready();
+  bench.carry_out(fs::to_frame(fs::Limits{{100'000'000, 100'000'000, 100'000'000, 100'000'000, 0, 0}}));
+  bench.begin(pulses(0, 1, milliseconds(1), milliseconds(25'000), {}), flashes, milliseconds(30));
+  LONGS_EQUAL(CutCause::underrun, bench.play().cut);
+  CHECK_TRUE(bench.block().pins.empty());
+}
+
+TEST(Rp1Hardware, TheDriftIsMeasuredOnAfterAnArmingThatExpired) {
+  Bench bench(40e-6);
+  bench.get_ready();
+  bench.load(fs::Track::movers, long_shutter);
+  bench.load(fs::Track::lamps, flashes);
+  bench.carry_out(fs::to_frame(fs::Arm{{2, 100}, fs::train_crc(long_shutter, flashes), 0}));
+  bench.turn_for(milliseconds(4000));  // it expires after one second
+  LONGS_EQUAL(Phase::idle, bench.controller->phase());
+  CHECK_TRUE(bench.hardware.clocks().drift_sd < 5e-6);
 }
 
 // ---- the gate ----

@@ -138,12 +138,6 @@ bool SimulatedPioBlock::drive(unsigned pin) noexcept {
   });
 }
 
-void SimulatedPioBlock::take_back(unsigned pin) {
-  advance();
-  driven_ &= ~(1U << pin);
-  pio_.connect(driven_);
-}
-
 std::optional<std::uint32_t> SimulatedPioBlock::get(unsigned machine) noexcept {
   return call([&] { return pio_.get(machine); });
 }
@@ -157,11 +151,12 @@ bool SimulatedPioBlock::transfer(unsigned machine, std::span<const std::uint32_t
   });
 }
 
-bool SimulatedPioBlock::drop_transfer(unsigned machine) noexcept {
-  return call([&] {
-    transfers_.at(machine) = {};
-    return true;
-  });
+bool SimulatedPioBlock::transferring(unsigned machine) noexcept {
+  return call([&] { return !transfers_.at(machine).words.empty() || pio_.room(machine) < kQueued; });
+}
+
+std::optional<unsigned> SimulatedPioBlock::queued(unsigned machine) noexcept {
+  return call([&] { return std::optional<unsigned>(kQueued - static_cast<unsigned>(pio_.room(machine))); });
 }
 
 }  // namespace strobe::testing
