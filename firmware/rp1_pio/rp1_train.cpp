@@ -19,7 +19,7 @@ namespace {
 // The players start so long before the train's begin: that of a START that comes late, and that of others,
 // with time to try again.
 constexpr Duration kShortLead = microseconds(300), kLongLead = milliseconds(40);
-constexpr Duration kLeastLead = microseconds(50);
+constexpr Duration kMinLead = microseconds(50);
 /// Their start is spun for so long.
 constexpr Duration kSpinFor = microseconds(300);
 /// Their start is known to lie in so short a time, or it is tried again; after kTries in kLongestCall.
@@ -173,7 +173,7 @@ void Rp1Hardware::begin() noexcept {
     if (left <= *lead_ + kSpinFor) enable_players(start_at_ - *lead_);
     return;
   }
-  if (longest_lead() >= kLeastLead) {
+  if (longest_lead() >= kMinLead) {
     (void)aim(longest_lead());
     return;
   }
