@@ -2,25 +2,9 @@
 
 #include <algorithm>
 
+#include "firmware/flash_sequencer/input_lines.hpp"
+
 namespace strobe::firmware {
-
-namespace {
-
-struct SequencerInput {
-  Input input;
-  Line line;
-};
-
-/// By InputLine.
-constexpr std::array<SequencerInput, flash_sequencer::kInputCount> kSequencerInputs{
-    {{Input::key, Line::key},
-     {Input::estop, Line::estop},
-     {Input::sensor_a, Line::sensor_a},
-     {Input::sensor_b, Line::sensor_b},
-     {Input::gate, Line::gate},
-     {Input::xsync, Line::xsync}}};
-
-}  // namespace
 
 std::optional<std::size_t> FlashSequencerInputs::wait(MonoTime until, std::span<Edge> edges) noexcept {
   link_.wait(link_.has_edges() ? MonoTime{} : until);
@@ -55,10 +39,7 @@ std::optional<std::size_t> FlashSequencerInputs::take(std::span<Edge> edges) noe
 
 std::optional<bool> FlashSequencerInputs::level(Input input) noexcept {
   if (!link_.take() || link_.silence() > FlashSequencerLink::kFresh) return std::nullopt;
-  for (std::size_t line = 0; line < kSequencerInputs.size(); ++line) {
-    if (kSequencerInputs[line].input == input) return ((link_.inputs() >> line) & 1U) != 0;
-  }
-  return std::nullopt;
+  return (link_.inputs() & flash_sequencer::bit(input_line_of(input))) != 0;
 }
 
 }  // namespace strobe::firmware

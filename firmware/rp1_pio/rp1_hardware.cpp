@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/flash_sequencer/input_lines.hpp"
 #include "firmware/rp1_pio/rp1_program.hpp"
 
 namespace strobe::firmware {
@@ -32,18 +33,6 @@ constexpr Duration kSettled = milliseconds(1500);
 constexpr std::uint32_t kAskingCycles = 2;
 /// Of the drift since it was measured, in a second: crystals warm, and NTP steers the clock.
 constexpr double kDriftAges = 0.02e-6;
-
-struct InputPlace {
-  Input input;
-  InputLine line;
-};
-constexpr std::array<InputPlace, flash_sequencer::kInputCount> kInputPlaces{
-    {{Input::key, InputLine::key},
-     {Input::estop, InputLine::estop},
-     {Input::sensor_a, InputLine::sensor_a},
-     {Input::sensor_b, InputLine::sensor_b},
-     {Input::gate, InputLine::gate},
-     {Input::xsync, InputLine::xsync}}};
 
 Rp1PinSpan span_of(std::span<const unsigned> pins) {
   unsigned first = Rp1Pins::kNotFitted, last = 0;
@@ -169,9 +158,7 @@ void Rp1Hardware::take_edges(MonoTime until) noexcept {
       ++lost_inputs_;
       continue;
     }
-    const auto* const place = std::find_if(kInputPlaces.begin(), kInputPlaces.end(),
-                                           [&](const InputPlace& at) { return at.input == edge.input; });
-    inputs_[end_input_++ % inputs_.size()] = {.line = place->line,
+    inputs_[end_input_++ % inputs_.size()] = {.line = input_line_of(edge.input),
                                               .active = static_cast<std::uint8_t>(edge.active ? 1 : 0),
                                               .time = to_ns(edge.time) / kTick_ns};
   }
@@ -252,8 +239,9 @@ Ticks Rp1Hardware::now() { return to_ns(clock_.now()) / kTick_ns; }
 /// Key or e-stop that cannot be read forbid.
 std::uint8_t Rp1Hardware::inputs() {
   std::uint8_t levels = 0;
-  for (const InputPlace& place : kInputPlaces) {
-    if (edges_.level(place.input).value_or(place.input == Input::estop)) levels |= bit(place.line);
+  for (const SequencerInput& each : kSequencerInputs) {
+    if (edges_.level(each.input).value_or(each.input == Input::estop))
+      levels |= bit(input_line_of(each.input));
   }
   return levels;
 }

@@ -158,8 +158,8 @@ class PioDevice final : public RigDevice {
       : rig_(rig), lines_(std::move(lines)), block_(std::move(block)) {}
 
   bool make_inactive() noexcept override {
-    const bool taken_back =
-        lines_.take_back();  // asks nothing of the board's firmware, for which others may wait
+    // First what asks nothing of the board's firmware, for which others may wait.
+    const bool taken_back = lines_.take_back();
     return firmware::cut_outputs(*block_) || taken_back;
   }
   void release() noexcept override {

@@ -379,9 +379,9 @@ const parts = {
   },
 
   'these checks would notice an edge a tick off per edge, a lost cut, a stamp that drifts'() {
-    const plays = spoil => {
+    const plays = alter => {
       const rig = ready(), tracks = [[], Array.from({ length: 8 }, (_, i) => ({ delay: 50, levels: i % 2 ? 0 : 4 }))];
-      spoil(rig.chip.pio);
+      alter(rig.chip.pio);
       const challenge = arm(rig, tracks), from = rig.chip.cycle, at = start(rig, challenge);
       rig.chip.run_until(at + us(100));
       const began = rig.origin + rig.host.beat().started;
