@@ -237,8 +237,8 @@ TEST(Flood, OfTheBusDuringAShotCostsNoEvent) {
     CHECK_TEXT(ended == ExitStatus({0, 0}), fire.err().c_str());
     CHECK_TEXT(fire.err().find("still missing") == std::string::npos, fire.err().c_str());
   }
-  CHECK(packets > 10'000);
   const auto journalled = read_log(bench.journal()).events;
+  CHECK_COMPARE(packets, >, static_cast<std::int64_t>(10 * journalled.size()));  // how many depends on the machine
   for (std::size_t i = 0; i < journalled.size(); ++i)
     LONGS_EQUAL(static_cast<std::int64_t>(i) + 1, journalled[i].sequence);
   bench.finish();

@@ -17,6 +17,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kMaxIterations = 200;
+/// Of steps along the axes: measured fits take 26 to 234. Along a narrow valley they would crawl for minutes.
+constexpr int kMaxRounds = 1000;
 constexpr double kMaxDamping = 1e16;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
@@ -103,7 +105,8 @@ std::optional<Termination> improve(const LeastSquaresProblem& problem, LeastSqua
 
 /// Steps along the axes, halved when none helps.
 LeastSquaresResult search_axes(const LeastSquaresProblem& problem, LeastSquaresResult now) {
-  for (double size = 0.05; size > 1e-9;) {
+  double size = 0.05;
+  for (int round = 0; round < kMaxRounds && size > 1e-9; ++round) {
     bool better = false;
     for (Index i = 0; i < now.parameters.size(); ++i) {
       for (const double sign : {1.0, -1.0}) {

@@ -166,3 +166,18 @@ TEST(BoundedLeastSquares, SaysWhyItStopped) {
   CHECK(Termination::not_finite == stop_of(undefined, {1.0, 1.0}));
   CHECK(!converged(Termination::iteration_limit) && !converged(Termination::not_finite));
 }
+
+// A staircase: flat wherever a derivative is taken, so that only steps along the axes descend it, 2e10 of them.
+TEST(BoundedLeastSquares, AnEndlessSlopeIsLeftAfterAThousandRounds) {
+  int evaluations = 0;
+  auto problem = plane(
+      [&](const VectorXd& x) {
+        ++evaluations;
+        return Vector2d(1e9 - 0.05 * std::floor(20.0 * x[0] + 0.5), 1.0);
+      },
+      Vector2d(0.0, 0.0), Vector2d(1e9, 1.0));
+  const auto found = minimize(problem, Vector2d(1.0, 0.5), {}, 0);
+  CHECK_COMPARE(found.parameters[0], >, 10.0);
+  // Four steps a round; of the two runs before and after it a few dozen.
+  CHECK_COMPARE(evaluations, <, 5000);
+}
