@@ -1,0 +1,156 @@
+#include "tests/real/judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+namespace strobe::real {
+
+namespace {
+
+double distance(const Circle& one, const Circle& other) {
+  return std::hypot(one.x - other.x, one.y - other.y);
+}
+
+double distance(const Circle& circle, Point from, Point to) {
+  const double dx = to.x - from.x, dy = to.y - from.y;
+  const double along = ((circle.x - from.x) * dx + (circle.y - from.y) * dy) / (dx * dx + dy * dy);
+  const double u = std::clamp(along, 0.0, 1.0);
+  return std::hypot(circle.x - from.x - u * dx, circle.y - from.y - u * dy);
+}
+
+bool lies_on(const Circle& circle, const std::vector<Point>& path) {
+  for (std::size_t i = 1; i < path.size(); ++i)
+    if (distance(circle, path[i - 1], path[i]) <= kReach * circle.d) return true;
+  return false;
+}
+
+template <typename T>
+void append(std::vector<T>& to, const std::vector<T>& more) {
+  to.insert(to.end(), more.begin(), more.end());
+}
+
+const char* what_is(const Circle& image, const Photograph& photograph) {
+  const auto inside = [&](bool of_ghost) {
+    return std::any_of(photograph.balls.begin(), photograph.balls.end(), [&](const Ball& ball) {
+      return (ball.kind == Kind::ghost) == of_ghost && distance(ball, image) <= kInside * ball.d;
+    });
+  };
+  if (inside(false)) return "double";
+  return inside(true) || lies_on(image, photograph.ghost_path) ? "ghost" : "invented";
+}
+
+void add_stray(Score& score, const Circle& image, const std::string_view what) {
+  ++(what == "double" ? score.doubles : what == "ghost" ? score.ghosts : score.invented);
+  score.strays.push_back({image, what.data()});
+}
+
+}  // namespace
+
+Score& Score::operator+=(const Score& other) {
+  pictures += other.pictures;
+  balls += other.balls;
+  found += other.found;
+  invented += other.invented;
+  ghosts += other.ghosts;
+  doubles += other.doubles;
+  append(centre_px, other.centre_px);
+  append(diameter_px, other.diameter_px);
+  append(missed, other.missed);
+  append(strays, other.strays);
+  names.insert(other.names.begin(), other.names.end());
+  asked_names.insert(other.asked_names.begin(), other.asked_names.end());
+  return *this;
+}
+
+std::vector<std::pair<std::size_t, std::size_t>> matched(const std::vector<Ball>& ones,
+                                                         const std::vector<Circle>& others) {
+  std::vector<std::tuple<double, std::size_t, std::size_t>> near;
+  for (std::size_t i = 0; i < ones.size(); ++i)
+    for (std::size_t j = 0; j < others.size(); ++j)
+      if (const double off = distance(ones[i], others[j]) / ones[i].d; off <= kReach)
+        near.emplace_back(off, i, j);
+  std::sort(near.begin(), near.end());
+  std::vector<bool> is_taken(ones.size()), is_given(others.size());
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (const auto& [off, i, j] : near) {
+    if (is_taken[i] || is_given[j]) continue;
+    is_taken[i] = is_given[j] = true;
+    pairs.emplace_back(i, j);
+  }
+  return pairs;
+}
+
+Score judged(const Photograph& photograph, const std::vector<Circle>& found, double told, double tolerance,
+             double per_px) {
+  Score score;
+  score.pictures = 1;
+  const auto& balls = photograph.balls;
+  std::vector<const Circle*> image_of(balls.size());
+  std::vector<bool> is_matched(found.size());
+  for (const auto& [i, j] : matched(balls, found)) {
+    image_of[i] = &found[j];
+    is_matched[j] = true;
+    if (balls[i].kind == Kind::ghost) add_stray(score, found[j], "ghost");
+  }
+  const double told_px = told * photograph.px_per_m * photograph.ball_diameter_m;
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    if (balls[i].kind != Kind::ball || std::abs(balls[i].d / told_px - 1.0) > tolerance) continue;
+    const std::string name = fmt::format("{} {}", photograph.path.string(), i);
+    ++score.balls;
+    score.asked_names.insert(name);
+    if (!image_of[i]) {
+      score.missed.push_back(balls[i]);
+      continue;
+    }
+    ++score.found;
+    score.names.insert(name);
+    score.centre_px.push_back(distance(balls[i], *image_of[i]) / per_px);
+    score.diameter_px.push_back((image_of[i]->d - balls[i].d) / per_px);
+  }
+  for (std::size_t j = 0; j < found.size(); ++j)
+    if (!is_matched[j]) add_stray(score, found[j], what_is(found[j], photograph));
+  return score;
+}
+
+std::size_t changed(const Score& one, const Score& other) {
+  return static_cast<std::size_t>(
+      std::count_if(one.asked_names.begin(), one.asked_names.end(), [&](const std::string& name) {
+        return other.asked_names.contains(name) && one.names.contains(name) != other.names.contains(name);
+      }));
+}
+
+double rms(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return values.empty() ? std::nan("") : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+double Agreement::centre_rms_px() const { return rms(centre_px) / std::numbers::sqrt2; }
+double Agreement::diameter_rms_px() const { return rms(diameter_px) / std::numbers::sqrt2; }
+
+Agreement agreement(const std::vector<Photograph>& photographs) {
+  Agreement all;
+  for (const Photograph& photograph : photographs) {
+    if (!photograph.second) continue;
+    const auto &first = photograph.balls, &second = *photograph.second;
+    const auto pairs = matched(first, {second.begin(), second.end()});
+    std::vector<bool> has_pair(first.size()), is_paired(second.size());
+    for (const auto& [i, j] : pairs) {
+      has_pair[i] = is_paired[j] = true;
+      if (first[i].kind != Kind::ball && second[j].kind != Kind::ball) continue;
+      all.centre_px.push_back(distance(first[i], second[j]));
+      all.diameter_px.push_back(second[j].d - first[i].d);
+    }
+    for (std::size_t i = 0; i < first.size(); ++i)
+      all.only_one += first[i].kind == Kind::ball && !has_pair[i];
+    for (std::size_t j = 0; j < second.size(); ++j)
+      all.only_one += second[j].kind == Kind::ball && !is_paired[j];
+  }
+  return all;
+}
+
+}  // namespace strobe::real

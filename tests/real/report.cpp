@@ -1,0 +1,222 @@
+#include "tests/real/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "common/messages/parsed_json.hpp"
+
+namespace strobe::real {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+/// An alteration at a scale, in the order in which they were asked.
+using Case = std::pair<const Alteration*, double>;
+
+std::vector<Case> cases_of(const std::vector<Outcome>& outcomes) {
+  std::vector<Case> cases;
+  for (const Outcome& outcome : outcomes) {
+    const Case each{outcome.alteration, outcome.told};
+    if (std::find(cases.begin(), cases.end(), each) == cases.end()) cases.push_back(each);
+  }
+  return cases;
+}
+
+const Alteration* as_is() { return &alterations().front(); }
+
+std::string name_of(const Case& each) {
+  if (each.second == 1.0) return std::string(each.first->name);
+  return fmt::format("{}, told {:+.0f} %", each.first->name, 100.0 * (each.second - 1.0));
+}
+
+std::string figures(const Score& s) {
+  return fmt::format("{:5} {:5} {:6.1f}% {:8} {:6} {:7}", s.balls, s.found, 100.0 * s.recall(), s.invented,
+                     s.ghosts, s.doubles);
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+void add_why(std::string& text, const Outcome& outcome) {
+  const std::string place =
+      fmt::format("{}, {}", name_of({outcome.alteration, outcome.told}), outcome.photograph->file);
+  for (std::size_t i = 0; i < outcome.score.missed.size(); ++i) {
+    const Ball& ball = outcome.score.missed[i];
+    text += fmt::format("{}: missed ({:.1f}, {:.1f}) d {:.1f}: {}\n", place, ball.x, ball.y, ball.d,
+                        outcome.why[i]);
+  }
+  for (const Stray& stray : outcome.score.strays)
+    text += fmt::format("{}: {} ({:.1f}, {:.1f}) d {:.1f}\n", place, stray.what, stray.x, stray.y, stray.d);
+}
+
+ordered_json json_of(const Score& s) {
+  return {{"pictures", s.pictures},
+          {"balls", s.balls},
+          {"found", s.found},
+          {"invented", s.invented},
+          {"ghosts", s.ghosts},
+          {"doubles", s.doubles},
+          {"centre_rms_px", rms(s.centre_px)},
+          {"diameter_rms_px", rms(s.diameter_px)}};
+}
+
+ordered_json json_of(const Circle& circle) { return {{"x", circle.x}, {"y", circle.y}, {"d", circle.d}}; }
+
+ordered_json json_of(const Outcome& outcome) {
+  ordered_json line{{"photograph", outcome.photograph->file},
+                    {"alteration", outcome.alteration->name},
+                    {"told", outcome.told}};
+  line.update(json_of(outcome.score));
+  line["missed"] = line["strays"] = ordered_json::array();
+  for (std::size_t i = 0; i < outcome.score.missed.size(); ++i) {
+    line["missed"].push_back(json_of(outcome.score.missed[i]));
+    line["missed"].back()["why"] = outcome.why[i];
+  }
+  for (const Stray& stray : outcome.score.strays) {
+    line["strays"].push_back(json_of(stray));
+    line["strays"].back()["what"] = stray.what;
+  }
+  return line;
+}
+
+/// The alterations at the right scale, summed, and how many balls each changes.
+struct Altered {
+  Score sum;
+  std::size_t changed = 0;
+};
+
+Altered all_altered(const std::vector<Outcome>& outcomes) {
+  Altered all;
+  const Score before = total(outcomes, as_is());
+  for (const auto& [alteration, told] : cases_of(outcomes)) {
+    if (told != 1.0 || alteration == as_is()) continue;
+    const Score score = total(outcomes, alteration);
+    all.changed += changed(before, score);
+    all.sum += score;
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::string> breaches(const std::vector<Outcome>& outcomes, const Bounds& bounds) {
+  std::vector<std::string> all;
+  const Score before = total(outcomes, as_is());
+  for (const Case& each : cases_of(outcomes)) {
+    if (each.second != 1.0) continue;
+    const Score s = total(outcomes, each.first);
+    const auto hold = [&](const char* what, double value, double bound, bool at_most) {
+      if (at_most ? value > bound : value < bound)
+        all.push_back(fmt::format("{}: {} {:.4g}, not {} {:.4g}", each.first->name, what, value,
+                                  at_most ? "at most" : "at least", bound));
+    };
+    hold("recall", s.recall(), each.first == as_is() ? bounds.recall : bounds.altered_recall, false);
+    hold("invented", s.invented, bounds.invented_a_picture * s.pictures, true);
+    hold("ghosts", s.ghosts, bounds.ghosts, true);
+    hold("doubles", s.doubles, bounds.doubles, true);
+    hold("balls changed", static_cast<double>(changed(before, s)), bounds.changed * s.balls, true);
+    hold("centre rms px", rms(s.centre_px), bounds.centre_px, true);
+    hold("diameter rms px", rms(s.diameter_px), bounds.diameter_px, true);
+  }
+  return all;
+}
+
+std::string tables(const std::vector<Outcome>& outcomes, const std::vector<Photograph>& photographs,
+                   bool why) {
+  const auto head = [](const char* what, std::size_t width) {
+    return fmt::format("{:{}} balls found  recall invented ghosts doubles", what, width);
+  };
+  const Score before = total(outcomes, as_is());
+  std::string text = head("alteration", 24) + " changed  centre  diameter px\n";
+  for (const Case& each : cases_of(outcomes)) {
+    const Score s = total(outcomes, each.first, each.second);
+    text += fmt::format("{:24} {} {:7} {:7.2f}  {:8.2f}\n", name_of(each), figures(s), changed(before, s),
+                        rms(s.centre_px), rms(s.diameter_px));
+  }
+  std::size_t width = 10;
+  for (const Photograph& photograph : photographs) width = std::max(width, photograph.file.size());
+  text += "\n" + head("photograph", width) + "  centre  diameter  its bias px\n";
+  for (const Outcome& outcome : outcomes) {
+    const Score& s = outcome.score;
+    if (outcome.alteration == as_is() && outcome.told == 1.0)
+      text += fmt::format("{:{}} {} {:7.2f}  {:8.2f}  {:+11.2f}\n", outcome.photograph->file, width,
+                          figures(s), rms(s.centre_px), rms(s.diameter_px), mean(s.diameter_px));
+  }
+  const Agreement twice = agreement(photographs);
+  if (!twice.centre_px.empty())
+    text += fmt::format(
+        "\nannotators: {} balls annotated twice, rms of one annotation: centre {:.2f} px, diameter "
+        "{:.2f} px; {} by one only\n",
+        twice.centre_px.size(), twice.centre_rms_px(), twice.diameter_rms_px(), twice.only_one);
+  if (why) {
+    text += "\n";
+    for (const Outcome& outcome : outcomes) add_why(text, outcome);
+  }
+  return text;
+}
+
+std::string json_lines(const std::vector<Outcome>& outcomes, const std::vector<Photograph>& photographs,
+                       const Bounds& bounds) {
+  std::string text;
+  const auto add = [&](const ordered_json& line) { text += messages::json_text(line) + "\n"; };
+  for (const Outcome& outcome : outcomes) add(json_of(outcome));
+  const Score before = total(outcomes, as_is());
+  for (const Case& each : cases_of(outcomes)) {
+    const Score s = total(outcomes, each.first, each.second);
+    ordered_json line{{"total", true}, {"alteration", each.first->name}, {"told", each.second}};
+    line.update(json_of(s));
+    line["changed"] = changed(before, s);
+    add(line);
+  }
+  const Agreement twice = agreement(photographs);
+  add({{"annotators", true},
+       {"balls", twice.centre_px.size()},
+       {"centre_rms_px", twice.centre_rms_px()},
+       {"diameter_rms_px", twice.diameter_rms_px()},
+       {"by_one_only", twice.only_one}});
+  add({{"breaches", breaches(outcomes, bounds)}});
+  return text;
+}
+
+std::string leaderboard_head() {
+  return "| program | balls found as they are | invented | ghosts | doubles | centre, diameter rms px | "
+         "found with "
+         "all alterations | invented a picture | ghosts a picture | doubles a picture | balls changed |\n"
+         "|---|---|---|---|---|---|---|---|---|---|---|\n";
+}
+
+std::string leaderboard_row(const std::string& name, const std::vector<Outcome>& outcomes) {
+  const Score s = total(outcomes, as_is());
+  const auto [all, changes] = all_altered(outcomes);
+  const auto each = [pictures = all.pictures](int count) {
+    return pictures ? fmt::format("{:.2f}", static_cast<double>(count) / pictures) : std::string("–");
+  };
+  const std::string changed =
+      all.balls ? fmt::format("{:.1f} %", 100.0 * static_cast<double>(changes) / all.balls) : "–";
+  return fmt::format(
+      "| {} | {} of {}, {:.1f} % | {} | {} | {} | {:.2f}, {:.2f} | {:.1f} % | {} | {} | {} | {} |\n", name,
+      s.found, s.balls, 100.0 * s.recall(), s.invented, s.ghosts, s.doubles, rms(s.centre_px),
+      rms(s.diameter_px), 100.0 * all.recall(), each(all.invented), each(all.ghosts), each(all.doubles),
+      changed);
+}
+
+Result<std::string> with_leaderboard(const std::string& text, const std::string& name,
+                                     const std::string& table) {
+  const std::string begin = "<!-- leaderboard: " + name + " -->\n";
+  const std::size_t from = text.find(begin);
+  const std::size_t to = from == std::string::npos ? from : text.find("<!-- end of leaderboard -->", from);
+  if (to == std::string::npos) return fail("has no leaderboard \"" + name + "\"");
+  return text.substr(0, from + begin.size()) + table + text.substr(to);
+}
+
+}  // namespace strobe::real
