@@ -125,7 +125,7 @@ bool is_subcommand(const std::string& word) {
 std::vector<std::string> unknown_names(const std::string& command) {
   static const std::set<std::string> programs{"strobe",       "strobed",         "strobe-sim",
                                               "strobe-bench", "strobe-campaign", "strobe-contradictions",
-                                              "strobe-soak"};
+                                              "strobe-score", "strobe-soak"};
   static const std::regex option("--[a-z][a-z-]*");
   const std::vector<std::string> words = words_of(command);
   if (words.empty() || programs.count(words[0]) == 0) return {};
@@ -133,7 +133,8 @@ std::vector<std::string> unknown_names(const std::string& command) {
     std::printf("not built, so not compared with its help: %s\n", command.c_str());
     return {};
   }
-  const bool has_subcommands = words[0] != "strobed" && words[0] != "strobe-soak";
+  const bool has_subcommands =
+      words[0] != "strobed" && words[0] != "strobe-score" && words[0] != "strobe-soak";
   const std::string subcommand =
       has_subcommands && words.size() > 1 && is_subcommand(words[1]) ? words[1] : "";
   const std::string& help = help_of(words[0], subcommand);

@@ -27,7 +27,7 @@ struct Alteration {
   std::string_view name;
   std::string_view words;  ///< what is done
   Altered (*make)(const cv::Mat& pixels);
-  bool keeps_gravity = true;  ///< if not, it is no alteration of a curved path: balls do not fall upwards
+  bool keeps_gravity = true;  ///< if not: none of a curved path or a bounce, as balls do not fall upwards
 };
 
 /// The first is none at all: the photograph as it is. Pixels: CV_8U or CV_16U of 1 or 3 channels, which stay

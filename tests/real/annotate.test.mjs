@@ -6,7 +6,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
-import { accessibility, launch, open } from '../browser/harness/browser.mjs';
+import { accessibility, launch, open, screenshot } from '../browser/harness/browser.mjs';
 import { build } from '../browser/harness/packages.mjs';
 
 const here = fileURLToPath(new URL('.', import.meta.url));
@@ -134,6 +134,7 @@ test('it is one file that asks for nothing, says what is missing, and is accessi
   assert.deepEqual(tab.requests.filter((url) => !/^(file|blob):/.test(url)), []);
   assert.ok(!/(src|href)=/.test(readFileSync(page, 'utf8').replaceAll('link.href', '')));
   assert.deepEqual(await accessibility(tab), []);
+  await screenshot(tab, 'annotate');
   await tab.fill('#px_per_m', '');
   await tab.press('#px_per_m', 'Enter');
   await tab.click('#save');

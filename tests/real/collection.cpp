@@ -17,9 +17,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array kPhotographFields{"file",   "ball_diameter_m", "px_per_m", "balls", "ghost_path",
-                                       "curved", "camera",          "light",    "ball",  "licence",
-                                       "source", "annotator",       "second",   "why"};
+constexpr std::array kPhotographFields{"file",    "ball_diameter_m", "px_per_m",  "balls",  "ghost_path",
+                                       "curved",  "bounces",         "camera",    "light",  "ball",
+                                       "licence", "source",          "annotator", "second", "why"};
 constexpr std::array kSecondFields{"annotator", "balls"};
 constexpr std::array kBallFields{"x", "y", "d", "kind", "seen", "why"};
 
@@ -146,6 +146,7 @@ Photograph photograph_of(const json& value, const std::string& place) {
   photograph.balls = balls_of(field.at("balls"));
   if (field.has("ghost_path")) photograph.ghost_path = path_of(field.at("ghost_path"));
   if (field.has("curved")) photograph.curved = field.at("curved").truth();
+  if (field.has("bounces")) photograph.bounces = field.at("bounces").truth();
   for (const char* words : {"camera", "light", "ball", "licence", "source", "annotator", "why"})
     if (field.has(words)) field.at(words).text();
   if (field.has("second")) {

@@ -39,6 +39,7 @@ struct Photograph {
   std::vector<Ball> balls;        ///< by the first annotator
   std::vector<Point> ghost_path;  ///< empty, or two corners and more; whatever lies along it is a ghost
   bool curved = false;            ///< the path is more than one straight leg or two
+  bool bounces = false;           ///< it tells up from down
   std::optional<std::vector<Ball>> second;  ///< by another annotator, or on another day
 };
 

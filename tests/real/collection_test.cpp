@@ -14,7 +14,7 @@ namespace {
 
 const std::string kWhole = R"([{"file": "a.png", "ball_diameter_m": 0.04267, "px_per_m": 1743.6,
   "camera": "c", "light": "l", "ball": "b", "licence": "CC0-1.0", "source": "s", "annotator": "A", "why": "w",
-  "curved": true, "ghost_path": [[1, 2], [30, 40.5], [60, 80]],
+  "curved": true, "bounces": true, "ghost_path": [[1, 2], [30, 40.5], [60, 80]],
   "balls": [{"x": 555.1, "y": 588.4, "d": 81, "kind": "ball", "seen": 0.99},
             {"x": 1231, "y": 364, "d": 58.9, "kind": "optional", "why": "hidden"},
             {"x": -3, "y": 10, "d": 50, "kind": "ghost"}],
@@ -57,6 +57,7 @@ TEST(RealCollection, ReadsAllFields) {
   LONGS_EQUAL(3, photograph.ghost_path.size());
   DOUBLES_EQUAL(40.5, photograph.ghost_path[1].y, 0.0);
   CHECK(photograph.curved);
+  CHECK(photograph.bounces);
   LONGS_EQUAL(1, photograph.second->size());
 }
 

@@ -58,7 +58,7 @@ std::string said_of(const Ball& ball, const Answer& answer) {
 Result<std::vector<Outcome>> outcomes_of(const Photograph& photograph, const Alteration& alteration,
                                          const Finder& finder, const Asked& asked,
                                          const std::filesystem::path& file) {
-  if (photograph.curved && !alteration.keeps_gravity) return std::vector<Outcome>{};
+  if ((photograph.curved || photograph.bounces) && !alteration.keeps_gravity) return std::vector<Outcome>{};
   const auto pixels = read_pixels(photograph);
   if (!pixels) return tl::unexpected(pixels.error());
   const Altered altered = alteration.make(*pixels);

@@ -46,7 +46,7 @@ cv::Mat balls_at(const std::vector<Point>& centres) {
 std::vector<Photograph> collection(const TemporaryFolder& folder) {
   const std::vector<Point> centres{{80.2, 100.7}, {200.5, 180.0}, {330.0, 250.4}, {470.3, 300.1}};
   strobe::testing::write_picture(folder / "a.png", balls_at(centres));
-  Photograph photograph{"a.png", folder / "a.png", 0.03, 2000.0, {}, {}, false, {}};
+  Photograph photograph{"a.png", folder / "a.png", 0.03, 2000.0, {}, {}, false, false, {}};
   for (const Point& c : centres) photograph.balls.push_back({{c.x, c.y, 60.0}, Kind::ball});
   return {photograph};
 }
@@ -183,19 +183,22 @@ TEST(RealEvaluation, CountsTheBallsThatAnAlterationChanges) {
   LONGS_EQUAL(2, changed(total(*outcomes, asked.alterations[0]), total(*outcomes, asked.alterations[1])));
 }
 
-TEST(RealEvaluation, TurnsNoCurvedPathUpsideDown) {
+TEST(RealEvaluation, TurnsNoCurvedPathAndNoBounceUpsideDown) {
   const TemporaryFolder folder;
-  auto photographs = collection(folder);
-  photographs[0].curved = true;
-  const auto outcomes = evaluated(photographs, blob_finders().front().find, all_alterations());
-  LONGS_EQUAL(alterations().size() - 1, outcomes->size());
-  for (const Outcome& outcome : *outcomes) CHECK(outcome.alteration->name != "upside-down");
+  for (bool Photograph::*const field : {&Photograph::curved, &Photograph::bounces}) {
+    auto photographs = collection(folder);
+    photographs[0].*field = true;
+    const auto outcomes = evaluated(photographs, blob_finders().front().find, all_alterations());
+    LONGS_EQUAL(alterations().size() - 1, outcomes->size());
+    for (const Outcome& outcome : *outcomes) CHECK(outcome.alteration->name != "upside-down");
+  }
 }
 
 TEST(RealEvaluation, NamesThePhotographThatCannotBeRead) {
   const TemporaryFolder folder;
   strobe::testing::write_text(folder / "a.png", "no picture");
-  const std::vector<Photograph> photographs{{"a.png", folder / "a.png", 0.03, 2000.0, {}, {}, false, {}}};
+  const std::vector<Photograph> photographs{
+      {"a.png", folder / "a.png", 0.03, 2000.0, {}, {}, false, false, {}}};
   const auto outcomes = evaluated(photographs, blob_finders().front().find, all_alterations());
   CHECK_FALSE(outcomes.has_value());
   STRCMP_CONTAINS("a.png: ", outcomes.error().message.c_str());

@@ -36,9 +36,16 @@ std::string name_of(const Case& each) {
   return fmt::format("{}, told {:+.0f} %", each.first->name, 100.0 * (each.second - 1.0));
 }
 
+/// Of nothing there is none.
+std::string known(double value, const char* format) {
+  return std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : "-";
+}
+
+std::string px(double value) { return known(value, "{:.2f}"); }
+
 std::string figures(const Score& s) {
-  return fmt::format("{:5} {:5} {:6.1f}% {:8} {:6} {:7}", s.balls, s.found, 100.0 * s.recall(), s.invented,
-                     s.ghosts, s.doubles);
+  return fmt::format("{:5} {:5} {:>7} {:8} {:6} {:7}", s.balls, s.found,
+                     known(s.balls ? 100.0 * s.recall() : NAN, "{:.1f}%"), s.invented, s.ghosts, s.doubles);
 }
 
 double mean(const std::vector<double>& values) {
@@ -90,13 +97,13 @@ ordered_json json_of(const Outcome& outcome) {
 }
 
 /// The alterations at the right scale, summed, and how many balls each changes.
-struct Altered {
+struct AllAltered {
   Score sum;
   std::size_t changed = 0;
 };
 
-Altered all_altered(const std::vector<Outcome>& outcomes) {
-  Altered all;
+AllAltered all_altered(const std::vector<Outcome>& outcomes) {
+  AllAltered all;
   const Score before = total(outcomes, as_is());
   for (const auto& [alteration, told] : cases_of(outcomes)) {
     if (told != 1.0 || alteration == as_is()) continue;
@@ -140,8 +147,8 @@ std::string tables(const std::vector<Outcome>& outcomes, const std::vector<Photo
   std::string text = head("alteration", 24) + " changed  centre  diameter px\n";
   for (const Case& each : cases_of(outcomes)) {
     const Score s = total(outcomes, each.first, each.second);
-    text += fmt::format("{:24} {} {:7} {:7.2f}  {:8.2f}\n", name_of(each), figures(s), changed(before, s),
-                        rms(s.centre_px), rms(s.diameter_px));
+    text += fmt::format("{:24} {} {:7} {:>7}  {:>8}\n", name_of(each), figures(s), changed(before, s),
+                        px(rms(s.centre_px)), px(rms(s.diameter_px)));
   }
   std::size_t width = 10;
   for (const Photograph& photograph : photographs) width = std::max(width, photograph.file.size());
@@ -149,8 +156,9 @@ std::string tables(const std::vector<Outcome>& outcomes, const std::vector<Photo
   for (const Outcome& outcome : outcomes) {
     const Score& s = outcome.score;
     if (outcome.alteration == as_is() && outcome.told == 1.0)
-      text += fmt::format("{:{}} {} {:7.2f}  {:8.2f}  {:+11.2f}\n", outcome.photograph->file, width,
-                          figures(s), rms(s.centre_px), rms(s.diameter_px), mean(s.diameter_px));
+      text +=
+          fmt::format("{:{}} {} {:>7}  {:>8}  {:>11}\n", outcome.photograph->file, width, figures(s),
+                      px(rms(s.centre_px)), px(rms(s.diameter_px)), known(mean(s.diameter_px), "{:+.2f}"));
   }
   const Agreement twice = agreement(photographs);
   if (!twice.centre_px.empty())
@@ -189,25 +197,24 @@ std::string json_lines(const std::vector<Outcome>& outcomes, const std::vector<P
 }
 
 std::string leaderboard_head() {
-  return "| program | balls found as they are | invented | ghosts | doubles | centre, diameter rms px | "
-         "found with "
-         "all alterations | invented a picture | ghosts a picture | doubles a picture | balls changed |\n"
-         "|---|---|---|---|---|---|---|---|---|---|---|\n";
+  return "| program | balls found as they are | invented, ghosts, doubles | centre, diameter rms px | with "
+         "all "
+         "alterations: found | invented, ghosts, doubles a picture | balls changed |\n"
+         "|---|---|---|---|---|---|---|\n";
 }
 
 std::string leaderboard_row(const std::string& name, const std::vector<Outcome>& outcomes) {
   const Score s = total(outcomes, as_is());
-  const auto [all, changes] = all_altered(outcomes);
-  const auto each = [pictures = all.pictures](int count) {
-    return pictures ? fmt::format("{:.2f}", static_cast<double>(count) / pictures) : std::string("–");
-  };
-  const std::string changed =
-      all.balls ? fmt::format("{:.1f} %", 100.0 * static_cast<double>(changes) / all.balls) : "–";
-  return fmt::format(
-      "| {} | {} of {}, {:.1f} % | {} | {} | {} | {:.2f}, {:.2f} | {:.1f} % | {} | {} | {} | {} |\n", name,
-      s.found, s.balls, 100.0 * s.recall(), s.invented, s.ghosts, s.doubles, rms(s.centre_px),
-      rms(s.diameter_px), 100.0 * all.recall(), each(all.invented), each(all.ghosts), each(all.doubles),
-      changed);
+  const AllAltered altered = all_altered(outcomes);
+  const Score& all = altered.sum;
+  const auto part = [](double count, int of) { return of ? count / of : NAN; };
+  const auto each = [&](int count) { return known(part(count, all.pictures), "{:.2f}"); };
+  const auto percent = [&](double count, int of) { return known(100.0 * part(count, of), "{:.1f} %"); };
+  return fmt::format("| {} | {} of {}, {} | {}, {}, {} | {}, {} | {} | {}, {}, {} | {} |\n", name, s.found,
+                     s.balls, percent(s.found, s.balls), s.invented, s.ghosts, s.doubles,
+                     px(rms(s.centre_px)), px(rms(s.diameter_px)), percent(all.found, all.balls),
+                     each(all.invented), each(all.ghosts), each(all.doubles),
+                     percent(static_cast<double>(altered.changed), all.balls));
 }
 
 Result<std::string> with_leaderboard(const std::string& text, const std::string& name,
