@@ -183,6 +183,25 @@ TEST(RealEvaluation, CountsTheBallsThatAnAlterationChanges) {
   LONGS_EQUAL(2, changed(total(*outcomes, asked.alterations[0]), total(*outcomes, asked.alterations[1])));
 }
 
+// 600 x 400 px become 750 x 500, exactly 1.25 times as many.
+TEST(RealEvaluation, ErrorsOnALargerPictureAreThoseOfThePhotograph) {
+  const TemporaryFolder folder;
+  const auto photographs = collection(folder);
+  const Finder finder = [&](const Question& asked) -> Result<Answer> {
+    const double f = asked.pixels.cols / 600.0;
+    Answer answer;
+    for (const Ball& ball : photographs[0].balls)
+      answer.circles.push_back({f * (ball.x + 2.5) - 0.5, f * (ball.y + 0.5) - 0.5, f * (ball.d + 4.0)});
+    return answer;
+  };
+  Asked asked;
+  for (const Alteration& each : alterations())
+    if (each.name == "x1.25") asked.alterations.push_back(&each);
+  const auto outcomes = evaluated(photographs, finder, asked);
+  DOUBLES_EQUAL(2.0, rms(outcomes->at(0).score.centre_px), 1e-9);
+  DOUBLES_EQUAL(4.0, rms(outcomes->at(0).score.diameter_px), 1e-9);
+}
+
 TEST(RealEvaluation, TurnsNoCurvedPathAndNoBounceUpsideDown) {
   const TemporaryFolder folder;
   for (bool Photograph::*const field : {&Photograph::curved, &Photograph::bounces}) {

@@ -45,9 +45,8 @@ TEST(RealJudge, FindsWhatIsWithinAQuarterOfTheDiameter) {
 }
 
 TEST(RealJudge, GivesEachBallTheNearestImageAndNoImageTwice) {
-  // The image at 20 is the only one for the ball at 40, though the other ball is nearer to it than to 40's
-  // reach.
-  const Score two = judged(of({ball(0, 0), ball(40, 0)}), {image(-5, 0), image(20, 0)});
+  // By the order in which they come the first ball would take the first image, and leave none to the second.
+  const Score two = judged(of({ball(0, 0), ball(40, 0)}), {image(20, 0), image(-5, 0)});
   check_counts(two, 2, 0, 0, 0);
   const Score one = judged(of({ball(0, 0), ball(40, 0)}), {image(20, 0)});
   LONGS_EQUAL(1, one.found);
