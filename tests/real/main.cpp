@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/command_line/command_line.hpp"
 #include "common/config/files.hpp"
 #include "host/external/program.hpp"
 #include "tests/real/report.hpp"
@@ -183,15 +184,17 @@ int main(int argc, char** argv) {
       "Programs that find balls on strobe photographs, held against annotated ones.\n"
       "Example: strobe-score tests/real/example --why"};
   app.name("strobe-score");
+  command_line::set_help(app);
   app.footer("Exit status: 0 all bounds hold, 1 one does not, 2 bad usage or input.");
   add_options(app, options);
   try {
     app.parse(argc, argv);
     return run(options);
-  } catch (const CLI::CallForHelp& help) {
+  } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    return refuse(std::string(error.what()) + " (--help lists the options)");
+    fmt::print(stderr, "{}\n", command_line::complaint(app, error));
+    return 2;
   } catch (const std::exception& error) {
     return refuse(error.what());
   }
