@@ -166,6 +166,24 @@ TEST(RealEvaluation, SaysWhichBoundDoesNotHoldAndWhatWasSaidOfAMissedBall) {
   STRCMP_CONTAINS("as-is, a.png: invented (550.0, 50.0) d 60.0\n", text.c_str());
 }
 
+// Circles that are all 1 px off, by annotators that are so far from each other or nearer.
+TEST(RealEvaluation, WhereItIsAnnotatedTwiceNoProgramMayBeWorseThanAPerson) {
+  const TemporaryFolder folder;
+  auto photographs = collection(folder);
+  const Finder finder = [balls = photographs[0].balls](const Question&) -> Result<Answer> {
+    Answer answer;
+    for (const Ball& ball : balls) answer.circles.push_back({ball.x + 1.0, ball.y, ball.d});
+    return answer;
+  };
+  for (const double apart : {1.1, 0.9}) {
+    photographs[0].second = photographs[0].balls;
+    for (Ball& ball : *photographs[0].second) ball.y += apart;
+    const auto broken = breaches(*evaluated(photographs, finder, {{&alterations().front()}}), {});
+    LONGS_EQUAL(apart < 1.0 ? 1 : 0, broken.size());
+    if (!broken.empty()) CHECK_EQUAL("annotated twice: centre rms px 1, not at most 0.9", broken[0]);
+  }
+}
+
 TEST(RealEvaluation, CountsTheBallsThatAnAlterationChanges) {
   const TemporaryFolder folder;
   const auto photographs = collection(folder);

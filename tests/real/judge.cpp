@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 
 namespace strobe::real {
@@ -128,9 +127,6 @@ double rms(const std::vector<double>& values) {
   for (const double value : values) sum += value * value;
   return values.empty() ? std::nan("") : std::sqrt(sum / static_cast<double>(values.size()));
 }
-
-double Agreement::centre_rms_px() const { return rms(centre_px) / std::numbers::sqrt2; }
-double Agreement::diameter_rms_px() const { return rms(diameter_px) / std::numbers::sqrt2; }
 
 Agreement agreement(const std::vector<Photograph>& photographs) {
   Agreement all;

@@ -63,9 +63,9 @@ double rms(const std::vector<double>& values);
 struct Agreement {
   std::vector<double> centre_px, diameter_px;  ///< differences: distance; second less first
   int only_one = 0;  ///< balls that one annotator has as such and the other not at all
-  /// Of one annotation by itself: of their differences, over the root of 2.
-  double centre_rms_px() const;
-  double diameter_rms_px() const;
+  /// Between the two; one by itself is as far from the truth as that over the root of 2.
+  double centre_rms_px() const { return rms(centre_px); }
+  double diameter_rms_px() const { return rms(diameter_px); }
 };
 
 /// Of the balls (Kind::ball by either) in those photographs that were annotated twice.

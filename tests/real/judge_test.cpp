@@ -2,7 +2,6 @@
 #include "tests/real/judge.hpp"
 
 #include <cmath>
-#include <numbers>
 
 #include "tests/support/string_from.hpp"
 
@@ -117,7 +116,7 @@ TEST(RealJudge, ScoresOfPhotographsAddUp) {
   DOUBLES_EQUAL(2.0 * 2 / (3 + 2 + 1), sum.f1(), 1e-12);
 }
 
-TEST(RealJudge, TwoAnnotationsTellHowGoodOneIs) {
+TEST(RealJudge, TwoAnnotationsDifferAsTheirCirclesDo) {
   Photograph twice = of({ball(0, 0), ball(300, 0), ball(600, 0, Kind::optional), ball(900, 0)});
   twice.second = {{{3, 4, 102}, Kind::ball},
                   {{300, 5, 98}, Kind::ball},
@@ -125,7 +124,7 @@ TEST(RealJudge, TwoAnnotationsTellHowGoodOneIs) {
                   {{1500, 0, 100}, Kind::ball}};
   const Agreement both = agreement({twice, of({ball(0, 0)})});
   LONGS_EQUAL(2, both.centre_px.size());
-  DOUBLES_EQUAL(5.0 / std::numbers::sqrt2, both.centre_rms_px(), 1e-12);
-  DOUBLES_EQUAL(2.0 / std::numbers::sqrt2, both.diameter_rms_px(), 1e-12);
+  DOUBLES_EQUAL(5.0, both.centre_rms_px(), 1e-12);
+  DOUBLES_EQUAL(2.0, both.diameter_rms_px(), 1e-12);
   LONGS_EQUAL(2, both.only_one);
 }

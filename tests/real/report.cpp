@@ -118,23 +118,35 @@ AllAltered all_altered(const std::vector<Outcome>& outcomes) {
 
 std::vector<std::string> breaches(const std::vector<Outcome>& outcomes, const Bounds& bounds) {
   std::vector<std::string> all;
+  const auto hold = [&](std::string_view where, const char* what, double value, double bound,
+                        bool at_most = true) {
+    if (at_most ? value > bound : value < bound)
+      all.push_back(fmt::format("{}: {} {:.4g}, not {} {:.4g}", where, what, value,
+                                at_most ? "at most" : "at least", bound));
+  };
   const Score before = total(outcomes, as_is());
   for (const Case& each : cases_of(outcomes)) {
     if (each.second != 1.0) continue;
     const Score s = total(outcomes, each.first);
-    const auto hold = [&](const char* what, double value, double bound, bool at_most) {
-      if (at_most ? value > bound : value < bound)
-        all.push_back(fmt::format("{}: {} {:.4g}, not {} {:.4g}", each.first->name, what, value,
-                                  at_most ? "at most" : "at least", bound));
-    };
-    hold("recall", s.recall(), each.first == as_is() ? bounds.recall : bounds.altered_recall, false);
-    hold("invented", s.invented, bounds.invented_a_picture * s.pictures, true);
-    hold("ghosts", s.ghosts, bounds.ghosts, true);
-    hold("doubles", s.doubles, bounds.doubles, true);
-    hold("balls changed", static_cast<double>(changed(before, s)), bounds.changed * s.balls, true);
-    hold("centre rms px", rms(s.centre_px), bounds.centre_px, true);
-    hold("diameter rms px", rms(s.diameter_px), bounds.diameter_px, true);
+    const std::string_view where = each.first->name;
+    hold(where, "recall", s.recall(), each.first == as_is() ? bounds.recall : bounds.altered_recall, false);
+    hold(where, "invented", s.invented, bounds.invented_a_picture * s.pictures);
+    hold(where, "ghosts", s.ghosts, bounds.ghosts);
+    hold(where, "doubles", s.doubles, bounds.doubles);
+    hold(where, "balls changed", static_cast<double>(changed(before, s)), bounds.changed * s.balls);
+    hold(where, "centre rms px", rms(s.centre_px), bounds.centre_px);
+    hold(where, "diameter rms px", rms(s.diameter_px), bounds.diameter_px);
   }
+  std::vector<Photograph> twice;
+  Score score;
+  for (const Outcome& outcome : outcomes) {
+    if (outcome.alteration != as_is() || outcome.told != 1.0 || !outcome.photograph->second) continue;
+    twice.push_back(*outcome.photograph);
+    score += outcome.score;
+  }
+  const Agreement people = agreement(twice);
+  hold("annotated twice", "centre rms px", rms(score.centre_px), people.centre_rms_px());
+  hold("annotated twice", "diameter rms px", rms(score.diameter_px), people.diameter_rms_px());
   return all;
 }
 
@@ -163,9 +175,9 @@ std::string tables(const std::vector<Outcome>& outcomes, const std::vector<Photo
   const Agreement twice = agreement(photographs);
   if (!twice.centre_px.empty())
     text += fmt::format(
-        "\nannotators: {} balls annotated twice, rms of one annotation: centre {:.2f} px, diameter "
-        "{:.2f} px; {} by one only\n",
-        twice.centre_px.size(), twice.centre_rms_px(), twice.diameter_rms_px(), twice.only_one);
+        "\nannotators: {} balls twice, {} by one only; rms between them: centre {:.2f} px, diameter {:.2f} "
+        "px\n",
+        twice.centre_px.size(), twice.only_one, twice.centre_rms_px(), twice.diameter_rms_px());
   if (why) {
     text += "\n";
     for (const Outcome& outcome : outcomes) add_why(text, outcome);

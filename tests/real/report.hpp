@@ -21,7 +21,9 @@ struct Bounds {
   double diameter_px = 1.5;
 };
 
-/// One line for each bound that does not hold at the right scale; empty: all do.
+/// One line for each bound that does not hold at the right scale; empty: all do. Where photographs are
+/// annotated twice, errors must be no larger there than the annotators' differences, too: no worse than a
+/// person.
 std::vector<std::string> breaches(const std::vector<Outcome>& outcomes, const Bounds& bounds);
 
 /// Tables of the alterations and of the photographs, and what the annotators differ by; why: a line for each
