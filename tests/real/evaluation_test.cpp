@@ -65,16 +65,25 @@ TEST_GROUP(RealFinders){};
 TEST(RealFinders, TakesCirclesAndFrames) {
   const auto circles = parse_answer(R"({"circles": [{"x": 1, "y": 2, "d": 3, "score": 0.5}]})", 200, 100.0);
   DOUBLES_EQUAL(2.0, circles->circles.at(0).y, 0.0);
-  LONGS_EQUAL(1, parse_answer(R"([{"x": 1, "y": 2, "d": 3}])", 200, 100.0)->circles.size());
+  CHECK_FALSE(circles->circles[0].sds.has_value());
+  const auto sure =
+      parse_answer(R"([{"x": 1, "y": 2, "d": 3, "x_sd": 0.1, "y_sd": 0.2, "d_sd": 0.3}])", 200, 100.0);
+  DOUBLES_EQUAL(0.2, sure->circles.at(0).sds->y, 0.0);
   LONGS_EQUAL(0, parse_answer("[]", 200, 100.0)->circles.size());
   const auto frame = parse_answer(
-      R"({"images": [{"centre_px": [10, 20], "diameter_px": 30}, {"centre_px": [40, 50]}],
+      R"({"images": [{"centre_px": [10, 20], "diameter_px": 30, "centre_cov_px2": [[0.04, 0.01], [0.01, 0.09]],
+                      "diameter_sd_px": 0.4},
+                     {"centre_px": [40, 50], "centre_cov_px2": null}],
           "unmeasured": [{"what": "image", "centre_px": [7, 8], "reason": "dim", "detail": "2 of 9"},
                          {"what": "top"}]})",
       200, 100.0);
   DOUBLES_EQUAL(179.0, frame->circles.at(0).y, 0.0);
   DOUBLES_EQUAL(30.0, frame->circles.at(0).d, 0.0);
+  DOUBLES_EQUAL(0.2, frame->circles[0].sds->x, 1e-12);
+  DOUBLES_EQUAL(0.3, frame->circles[0].sds->y, 1e-12);
+  DOUBLES_EQUAL(0.4, frame->circles[0].sds->d, 1e-12);
   DOUBLES_EQUAL(100.0, frame->circles.at(1).d, 0.0);
+  CHECK_FALSE(frame->circles[1].sds.has_value());
   LONGS_EQUAL(1, frame->refusals.size());
   DOUBLES_EQUAL(191.0, frame->refusals[0].at.y, 0.0);
   CHECK_EQUAL("dim: 2 of 9", frame->refusals[0].why);
@@ -154,7 +163,8 @@ TEST(RealEvaluation, SaysWhichBoundDoesNotHoldAndWhatWasSaidOfAMissedBall) {
   // Three of four balls, one invented; of the fourth it says why.
   const Finder finder = [&](const Question&) -> Result<Answer> {
     const auto& balls = photographs[0].balls;
-    return Answer{{balls[0], balls[1], balls[2], {550.0, 50.0, 60.0}}, {{{475.0, 300.0}, "dim: 2 of 9"}}};
+    return Answer{{{balls[0]}, {balls[1]}, {balls[2]}, {{550.0, 50.0, 60.0}}},
+                  {{{475.0, 300.0}, "dim: 2 of 9"}}};
   };
   const auto outcomes = evaluated(photographs, finder, {{&alterations().front()}});
   const auto broken = breaches(*outcomes, {});
@@ -172,7 +182,7 @@ TEST(RealEvaluation, WhereItIsAnnotatedTwiceNoProgramMayBeWorseThanAPerson) {
   auto photographs = collection(folder);
   const Finder finder = [balls = photographs[0].balls](const Question&) -> Result<Answer> {
     Answer answer;
-    for (const Ball& ball : balls) answer.circles.push_back({ball.x + 1.0, ball.y, ball.d});
+    for (const Ball& ball : balls) answer.circles.push_back({{ball.x + 1.0, ball.y, ball.d}});
     return answer;
   };
   for (const double apart : {1.1, 0.9}) {
@@ -191,7 +201,7 @@ TEST(RealEvaluation, CountsTheBallsThatAnAlterationChanges) {
   const Finder finder = [&](const Question& asked) -> Result<Answer> {
     auto answer = blob_finders().front().find(asked);
     auto& circles = answer->circles;
-    circles.erase(std::ranges::min_element(circles, {}, &Circle::x));
+    circles.erase(std::ranges::min_element(circles, {}, &Found::x));
     return answer;
   };
   Asked asked;
@@ -209,7 +219,7 @@ TEST(RealEvaluation, ErrorsOnALargerPictureAreThoseOfThePhotograph) {
     const double f = asked.pixels.cols / 600.0;
     Answer answer;
     for (const Ball& ball : photographs[0].balls)
-      answer.circles.push_back({f * (ball.x + 2.5) - 0.5, f * (ball.y + 0.5) - 0.5, f * (ball.d + 4.0)});
+      answer.circles.push_back({{f * (ball.x + 2.5) - 0.5, f * (ball.y + 0.5) - 0.5, f * (ball.d + 4.0)}});
     return answer;
   };
   Asked asked;

@@ -64,6 +64,19 @@ double number_at(const json& object, const char* key) {
   return found != object.end() && found->is_number() ? found->get<double>() : NAN;
 }
 
+/// Nothing where one of them is not stated.
+std::optional<Found::Sds> sds_of(double x, double y, double d) {
+  return x > 0.0 && y > 0.0 && d > 0.0 ? std::optional<Found::Sds>({x, y, d}) : std::nullopt;
+}
+
+/// Of a frame's image. NaN if it is not stated.
+double centre_sd_at(const json& image, std::size_t axis) {
+  const auto found = image.find("centre_cov_px2");
+  const bool is_matrix = found != image.end() && found->is_array() && found->size() == 2 &&
+                         (*found)[axis].is_array() && (*found)[axis].size() == 2;
+  return is_matrix && (*found)[axis][axis].is_number() ? std::sqrt((*found)[axis][axis].get<double>()) : NAN;
+}
+
 /// Of a frame, whose y goes upwards. NaN if it is none.
 Point centre_at(const json& object, int height) {
   const json pair = object.is_object() ? object.value("centre_px", json()) : json();
@@ -77,7 +90,9 @@ Result<Answer> answer_of_frame(const json& frame, int height, double told_px) {
     const Point at = centre_at(image, height);
     if (!std::isfinite(at.x + at.y)) return fail("an image has no centre_px");
     const double d = number_at(image, "diameter_px");
-    answer.circles.push_back({at.x, at.y, d > 0.0 ? d : told_px});
+    answer.circles.push_back(
+        {{at.x, at.y, d > 0.0 ? d : told_px},
+         sds_of(centre_sd_at(image, 0), centre_sd_at(image, 1), number_at(image, "diameter_sd_px"))});
   }
   for (const json& place : frame.value("unmeasured", json::array())) {
     if (messages::value_of<std::string>(place, "what") != "image") continue;
@@ -94,7 +109,8 @@ Result<Answer> answer_of_circles(const json& circles) {
     const Circle circle{number_at(each, "x"), number_at(each, "y"), number_at(each, "d")};
     if (!std::isfinite(circle.x + circle.y + circle.d) || circle.d <= 0.0)
       return fail(fmt::format("circle {} lacks x, y or a d above 0", answer.circles.size() + 1));
-    answer.circles.push_back(circle);
+    answer.circles.push_back(
+        {circle, sds_of(number_at(each, "x_sd"), number_at(each, "y_sd"), number_at(each, "d_sd"))});
   }
   return answer;
 }
@@ -120,7 +136,7 @@ Answer circles_by(const Hough& hough, const Question& question) {
   cv::HoughCircles(grey, circles, hough.method, hough.dp, 0.6 * r, hough.canny, hough.strength,
                    static_cast<int>(r * (1.0 - off)), static_cast<int>(std::ceil(r * (1.0 + off))));
   Answer answer;
-  for (const auto& c : circles) answer.circles.push_back({c[0], c[1], 2.0 * c[2]});
+  for (const auto& c : circles) answer.circles.push_back({{c[0], c[1], 2.0 * c[2]}});
   return answer;
 }
 
@@ -142,7 +158,7 @@ Answer circles_by(const Blob& blob, const Question& question) {
   std::vector<cv::KeyPoint> points;
   cv::SimpleBlobDetector::create(p)->detect(grey_of(question.pixels), points);
   Answer answer;
-  for (const auto& point : points) answer.circles.push_back({point.pt.x, point.pt.y, point.size});
+  for (const auto& point : points) answer.circles.push_back({{point.pt.x, point.pt.y, point.size}});
   return answer;
 }
 

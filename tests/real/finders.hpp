@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/result.hpp"
-#include "tests/real/collection.hpp"
+#include "tests/real/judge.hpp"
 
 namespace strobe::real {
 
@@ -30,7 +30,7 @@ struct Refusal {
 };
 
 struct Answer {
-  std::vector<Circle> circles;
+  std::vector<Found> circles;
   std::vector<Refusal> refusals;
 };
 
@@ -44,9 +44,10 @@ Finder finder_of(const std::string& command);
 /// "strobe digitize" of that program, as such a command.
 std::string digitize_command(const std::filesystem::path& strobe);
 
-/// {"circles": [{"x", "y", "d"}]}, px, y downwards, or a list of such; or a frame as `strobe digitize --json`
-/// prints it, of which `unmeasured` says why places were refused. height: the photograph's, px. told_px: the
-/// diameter of what has none. The text, or else its first line, is JSON. Pure; thread-safe.
+/// {"circles": [{"x", "y", "d"}]}, px, y downwards, with "x_sd", "y_sd" and "d_sd" or without, or a list of
+/// such; or a frame as `strobe digitize --json` prints it, of which `unmeasured` says why places were
+/// refused. height: the photograph's, px. told_px: the diameter of what has none. The text, or else its first
+/// line, is JSON. Pure; thread-safe.
 Result<Answer> parse_answer(std::string_view text, int height, double told_px);
 
 struct NamedFinder {

@@ -58,6 +58,8 @@ Score& Score::operator+=(const Score& other) {
   doubles += other.doubles;
   append(centre_px, other.centre_px);
   append(diameter_px, other.diameter_px);
+  append(place, other.place);
+  append(size, other.size);
   append(missed, other.missed);
   append(strays, other.strays);
   names.insert(other.names.begin(), other.names.end());
@@ -83,14 +85,14 @@ std::vector<std::pair<std::size_t, std::size_t>> matched(const std::vector<Ball>
   return pairs;
 }
 
-Score judged(const Photograph& photograph, const std::vector<Circle>& found, double told, double tolerance,
+Score judged(const Photograph& photograph, const std::vector<Found>& found, double told, double tolerance,
              double per_px) {
   Score score;
   score.pictures = 1;
   const auto& balls = photograph.balls;
-  std::vector<const Circle*> image_of(balls.size());
+  std::vector<const Found*> image_of(balls.size());
   std::vector<bool> is_matched(found.size());
-  for (const auto& [i, j] : matched(balls, found)) {
+  for (const auto& [i, j] : matched(balls, {found.begin(), found.end()})) {
     image_of[i] = &found[j];
     is_matched[j] = true;
     if (balls[i].kind == Kind::ghost) add_stray(score, found[j], "ghost");
@@ -109,6 +111,11 @@ Score judged(const Photograph& photograph, const std::vector<Circle>& found, dou
     score.names.insert(name);
     score.centre_px.push_back(distance(balls[i], *image_of[i]) / per_px);
     score.diameter_px.push_back((image_of[i]->d - balls[i].d) / per_px);
+    if (!image_of[i]->sds) continue;
+    const auto& sds = *image_of[i]->sds;
+    score.place.push_back({(image_of[i]->x - balls[i].x) / per_px, sds.x / per_px});
+    score.place.push_back({(image_of[i]->y - balls[i].y) / per_px, sds.y / per_px});
+    score.size.push_back({score.diameter_px.back(), sds.d / per_px});
   }
   for (std::size_t j = 0; j < found.size(); ++j)
     if (!is_matched[j]) add_stray(score, found[j], what_is(found[j], photograph));
@@ -126,6 +133,19 @@ double rms(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += value * value;
   return values.empty() ? std::nan("") : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+Beyond beyond_3_sd(const Score& score, const Agreement& annotators) {
+  Beyond beyond;
+  const auto count = [&](const std::vector<Deviation>& deviations, double annotation_sd) {
+    for (const auto& [error, sd] : deviations)
+      beyond.count += std::abs(error) > 3.0 * std::hypot(sd, annotation_sd);
+    beyond.of += static_cast<int>(deviations.size());
+  };
+  // Two annotations' distance has the variance of four coordinates, their diameters' difference that of two.
+  count(score.place, 0.5 * annotators.centre_rms_px());
+  count(score.size, std::sqrt(0.5) * annotators.diameter_rms_px());
+  return beyond;
 }
 
 Agreement agreement(const std::vector<Photograph>& photographs) {

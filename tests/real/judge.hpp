@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -16,6 +17,19 @@ namespace strobe::real {
 inline constexpr double kReach = 0.25;
 /// A second image of a ball has its centre within the ball.
 inline constexpr double kInside = 0.5;
+
+/// An image of a ball as a program found it, with what it may say of how sure that is.
+struct Found : Circle {
+  struct Sds {
+    double x = 0.0, y = 0.0, d = 0.0;  ///< px, above 0
+  };
+  std::optional<Sds> sds = std::nullopt;
+};
+
+/// An error, and the sd that was stated for it. [px]
+struct Deviation {
+  double error = 0.0, sd = 0.0;
+};
 
 /// An image that belongs to no ball.
 struct Stray : Circle {
@@ -31,6 +45,7 @@ struct Score {
   int ghosts = 0;                              ///< ghosts taken for balls
   int doubles = 0;                             ///< second images of a ball
   std::vector<double> centre_px, diameter_px;  ///< errors of those found: distance; measured less annotated
+  std::vector<Deviation> place, size;          ///< of those found with sds: in x and in y; of the diameter
   std::vector<Ball> missed;
   std::vector<Stray> strays;
   std::set<std::string> names;        ///< of those found: "photograph place"
@@ -45,7 +60,7 @@ struct Score {
 /// told: the scale that the program was told, over the photograph's own. Balls whose size is further than
 /// `tolerance` (a share) from what was told count neither way. per_px: errors are in so many pixels (of a
 /// photograph that was made smaller, its factor).
-Score judged(const Photograph& photograph, const std::vector<Circle>& found, double told = 1.0,
+Score judged(const Photograph& photograph, const std::vector<Found>& found, double told = 1.0,
              double tolerance = 1e9, double per_px = 1.0);
 
 /// One by one: places in `ones` and `others`, nearest first, none twice.
@@ -67,6 +82,13 @@ struct Agreement {
   double centre_rms_px() const { return rms(centre_px); }
   double diameter_rms_px() const { return rms(diameter_px); }
 };
+
+/// How many errors are beyond three of their sds, an annotation's own noise (of each coordinate; of the
+/// diameter) taken into them; of how many that are stated. Normal errors are in 0.27 %.
+struct Beyond {
+  int count = 0, of = 0;
+};
+Beyond beyond_3_sd(const Score& score, const Agreement& annotators);
 
 /// Of the balls (Kind::ball by either) in those photographs that were annotated twice.
 Agreement agreement(const std::vector<Photograph>& photographs);

@@ -10,7 +10,7 @@ using namespace strobe::real;
 namespace {
 
 Ball ball(double x, double y, Kind kind = Kind::ball) { return {{x, y, 100.0}, kind}; }
-Circle image(double x, double y, double d = 100.0) { return {x, y, d}; }
+Found image(double x, double y, double d = 100.0) { return {{x, y, d}}; }
 
 Photograph of(std::vector<Ball> balls) {
   Photograph photograph;
@@ -114,6 +114,22 @@ TEST(RealJudge, ScoresOfPhotographsAddUp) {
   DOUBLES_EQUAL(std::sqrt(12.5), rms(sum.centre_px), 1e-12);
   LONGS_EQUAL(3, sum.asked_names.size());
   DOUBLES_EQUAL(2.0 * 2 / (3 + 2 + 1), sum.f1(), 1e-12);
+}
+
+TEST(RealJudge, StatedSdsAreHeldAgainstTheErrorsWithTheAnnotationsNoiseInThem) {
+  Found right = image(3, -4, 97), wrong = image(300, 0);
+  right.sds = {1.0, 1.0, 1.0};
+  wrong.sds = {1.0, 0.1, 1.0};
+  const Photograph photograph = of({ball(0, 0), ball(303.1, 0.29)});
+  const Score s = judged(photograph, {right, wrong, image(900, 0)});
+  const Beyond alone = beyond_3_sd(s, {{0.0}, {0.0}, 0});
+  LONGS_EQUAL(6, alone.of);
+  LONGS_EQUAL(2, alone.count);  // -4 of 1, -3.1 of 1; the others are 3, -3, -0.29 of 0.1 and 0
+  // Two annotations 2 px apart in the centre: 1 px a coordinate of one, so that 3 sds are 4.2 px.
+  LONGS_EQUAL(0, beyond_3_sd(s, {{2.0}, {2.0}, 0}).count);
+  // Scaled with its errors: the same.
+  LONGS_EQUAL(2, beyond_3_sd(judged(photograph, {right, wrong}, 1.0, 1e9, 0.5), {{0.0}, {0.0}, 0}).count);
+  LONGS_EQUAL(0, beyond_3_sd(judged(photograph, {image(3, -4)}), {{0.0}, {0.0}, 0}).of);
 }
 
 TEST(RealJudge, TwoAnnotationsDifferAsTheirCirclesDo) {

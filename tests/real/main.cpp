@@ -166,7 +166,7 @@ int run(const Options& options) {
   if (!outcomes) return refuse(outcomes.error().message);
   const auto broken = breaches(*outcomes, {});
   if (options.json) {
-    fmt::print("{}", json_lines(*outcomes, *photographs, {}));
+    fmt::print("{}", json_lines(*outcomes, {}));
     return broken.empty() ? 0 : 1;
   }
   fmt::print("{}: {} photographs\n\n{}\n", finder->name, photographs->size(),

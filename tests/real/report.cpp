@@ -114,6 +114,24 @@ AllAltered all_altered(const std::vector<Outcome>& outcomes) {
   return all;
 }
 
+/// Those of photographs that were annotated twice, and how far these annotations are apart.
+struct AnnotatedTwice {
+  std::vector<Outcome> outcomes;
+  Agreement people;
+};
+
+AnnotatedTwice annotated_twice(const std::vector<Outcome>& outcomes) {
+  AnnotatedTwice twice;
+  std::vector<Photograph> photographs;
+  for (const Outcome& outcome : outcomes) {
+    if (!outcome.photograph->second) continue;
+    twice.outcomes.push_back(outcome);
+    if (outcome.alteration == as_is() && outcome.told == 1.0) photographs.push_back(*outcome.photograph);
+  }
+  twice.people = agreement(photographs);
+  return twice;
+}
+
 }  // namespace
 
 std::vector<std::string> breaches(const std::vector<Outcome>& outcomes, const Bounds& bounds) {
@@ -137,16 +155,15 @@ std::vector<std::string> breaches(const std::vector<Outcome>& outcomes, const Bo
     hold(where, "centre rms px", rms(s.centre_px), bounds.centre_px);
     hold(where, "diameter rms px", rms(s.diameter_px), bounds.diameter_px);
   }
-  std::vector<Photograph> twice;
-  Score score;
-  for (const Outcome& outcome : outcomes) {
-    if (outcome.alteration != as_is() || outcome.told != 1.0 || !outcome.photograph->second) continue;
-    twice.push_back(*outcome.photograph);
-    score += outcome.score;
+  const AnnotatedTwice twice = annotated_twice(outcomes);
+  const Score score = total(twice.outcomes, as_is());
+  hold("annotated twice", "centre rms px", rms(score.centre_px), twice.people.centre_rms_px());
+  hold("annotated twice", "diameter rms px", rms(score.diameter_px), twice.people.diameter_rms_px());
+  for (const Case& each : cases_of(twice.outcomes)) {
+    if (each.second != 1.0) continue;
+    const auto [count, of] = beyond_3_sd(total(twice.outcomes, each.first), twice.people);
+    hold(each.first->name, "errors beyond 3 sd", count, bounds.beyond_3_sd * of);
   }
-  const Agreement people = agreement(twice);
-  hold("annotated twice", "centre rms px", rms(score.centre_px), people.centre_rms_px());
-  hold("annotated twice", "diameter rms px", rms(score.diameter_px), people.diameter_rms_px());
   return all;
 }
 
@@ -156,11 +173,14 @@ std::string tables(const std::vector<Outcome>& outcomes, const std::vector<Photo
     return fmt::format("{:{}} balls found  recall invented ghosts doubles", what, width);
   };
   const Score before = total(outcomes, as_is());
-  std::string text = head("alteration", 24) + " changed  centre  diameter px\n";
+  const AnnotatedTwice twice = annotated_twice(outcomes);
+  std::string text = head("alteration", 24) + " changed  centre  diameter px  beyond 3 sd\n";
   for (const Case& each : cases_of(outcomes)) {
     const Score s = total(outcomes, each.first, each.second);
-    text += fmt::format("{:24} {} {:7} {:>7}  {:>8}\n", name_of(each), figures(s), changed(before, s),
-                        px(rms(s.centre_px)), px(rms(s.diameter_px)));
+    const auto [count, of] = beyond_3_sd(total(twice.outcomes, each.first, each.second), twice.people);
+    text += fmt::format("{:24} {} {:7} {:>7}  {:>11}  {:>11}\n", name_of(each), figures(s),
+                        changed(before, s), px(rms(s.centre_px)), px(rms(s.diameter_px)),
+                        of ? fmt::format("{} of {}", count, of) : "-");
   }
   std::size_t width = 10;
   for (const Photograph& photograph : photographs) width = std::max(width, photograph.file.size());
@@ -172,12 +192,12 @@ std::string tables(const std::vector<Outcome>& outcomes, const std::vector<Photo
           fmt::format("{:{}} {} {:>7}  {:>8}  {:>11}\n", outcome.photograph->file, width, figures(s),
                       px(rms(s.centre_px)), px(rms(s.diameter_px)), known(mean(s.diameter_px), "{:+.2f}"));
   }
-  const Agreement twice = agreement(photographs);
-  if (!twice.centre_px.empty())
+  const Agreement& people = twice.people;
+  if (!people.centre_px.empty())
     text += fmt::format(
         "\nannotators: {} balls twice, {} by one only; rms between them: centre {:.2f} px, diameter {:.2f} "
         "px\n",
-        twice.centre_px.size(), twice.only_one, twice.centre_rms_px(), twice.diameter_rms_px());
+        people.centre_px.size(), people.only_one, people.centre_rms_px(), people.diameter_rms_px());
   if (why) {
     text += "\n";
     for (const Outcome& outcome : outcomes) add_why(text, outcome);
@@ -185,20 +205,23 @@ std::string tables(const std::vector<Outcome>& outcomes, const std::vector<Photo
   return text;
 }
 
-std::string json_lines(const std::vector<Outcome>& outcomes, const std::vector<Photograph>& photographs,
-                       const Bounds& bounds) {
+std::string json_lines(const std::vector<Outcome>& outcomes, const Bounds& bounds) {
   std::string text;
   const auto add = [&](const ordered_json& line) { text += messages::json_text(line) + "\n"; };
   for (const Outcome& outcome : outcomes) add(json_of(outcome));
   const Score before = total(outcomes, as_is());
+  const AnnotatedTwice annotated = annotated_twice(outcomes);
+  const Agreement& twice = annotated.people;
   for (const Case& each : cases_of(outcomes)) {
     const Score s = total(outcomes, each.first, each.second);
     ordered_json line{{"total", true}, {"alteration", each.first->name}, {"told", each.second}};
     line.update(json_of(s));
     line["changed"] = changed(before, s);
+    const auto [count, of] = beyond_3_sd(total(annotated.outcomes, each.first, each.second), twice);
+    line["sds_stated"] = of;
+    line["beyond_3_sd"] = count;
     add(line);
   }
-  const Agreement twice = agreement(photographs);
   add({{"annotators", true},
        {"balls", twice.centre_px.size()},
        {"centre_rms_px", twice.centre_rms_px()},

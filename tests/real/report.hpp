@@ -19,6 +19,7 @@ struct Bounds {
   double changed = 0.02;   ///< of the balls: found as they are and not altered, or the other way round
   double centre_px = 1.2;  ///< rms from the annotation; about what a person's circles are good for
   double diameter_px = 1.5;
+  double beyond_3_sd = 0.01;  ///< of the errors in x, y and the diameter, where annotated twice
 };
 
 /// One line for each bound that does not hold at the right scale; empty: all do. Where photographs are
@@ -32,8 +33,7 @@ std::string tables(const std::vector<Outcome>& outcomes, const std::vector<Photo
                    bool why);
 
 /// One object per line: each outcome, each alteration's total, the annotators, and last what does not hold.
-std::string json_lines(const std::vector<Outcome>& outcomes, const std::vector<Photograph>& photographs,
-                       const Bounds& bounds);
+std::string json_lines(const std::vector<Outcome>& outcomes, const Bounds& bounds);
 
 /// The table's first two lines, and one of a finder.
 std::string leaderboard_head();
