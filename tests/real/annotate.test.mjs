@@ -26,8 +26,8 @@ after(() => browser.close());
 async function at([x, y]) {
   const canvas = tab.locator('canvas');
   const box = await canvas.boundingBox();
-  const view = await canvas.evaluate(({ dataset }) => ({ zoom: Number(dataset.zoom), x: Number(dataset.x), y: Number(dataset.y) }));
-  return { x: box.x + (x + 0.5) * view.zoom + view.x, y: box.y + (y + 0.5) * view.zoom + view.y, zoom: view.zoom };
+  const [zoom, left, top] = await canvas.evaluate(({ dataset: view }) => [view.zoom, view.x, view.y].map(Number));
+  return { x: box.x + (x + 0.5) * zoom + left, y: box.y + (y + 0.5) * zoom + top, zoom };
 }
 
 async function drag(from, to, button = 'left') {
@@ -52,7 +52,8 @@ async function saved() {
 /// A circle as drawn: to a pixel of the screen, and to the file's tenth.
 async function assertCircle(circle, [x, y, d], kind) {
   const { zoom } = await at([0, 0]);
-  for (const [value, wanted] of [[circle.x, x], [circle.y, y], [circle.d, d]]) assert.ok(Math.abs(value - wanted) <= 2 / zoom + 0.1, `${JSON.stringify(circle)}: ${[x, y, d]}`);
+  for (const [value, wanted] of [[circle.x, x], [circle.y, y], [circle.d, d]])
+    assert.ok(Math.abs(value - wanted) <= 2 / zoom + 0.1, `${JSON.stringify(circle)}: ${[x, y, d]}`);
   assert.equal(circle.kind, kind);
 }
 
@@ -118,14 +119,16 @@ test('the scorer reads what the page saves, and the page what it saved', async (
   const truth = await saved();
   writeFileSync(join(folder, 'truth.json'), JSON.stringify(truth));
   copyFileSync(picture, join(folder, 'independent.jpg'));
-  const { status, stdout, stderr } = spawnSync(join(build, 'bin', 'strobe-score'), [folder, '--as-is', '--scale-off', '0', '--json', '--program', "echo '[]'"], { encoding: 'utf8' });
+  const words = [folder, '--as-is', '--scale-off', '0', '--json', '--program', "echo '[]'"];
+  const { status, stdout, stderr } = spawnSync(join(build, 'bin', 'strobe-score'), words, { encoding: 'utf8' });
   assert.equal(status, 1, stderr);  // two balls are to be found, none is
   assert.equal(JSON.parse(stdout.split('\n')[0]).balls, 2);
   await tab.setInputFiles('#truth', join(folder, 'truth.json'));
   assert.deepEqual(await saved(), truth);
   writeFileSync(join(folder, 'truth.json'), '{"no": "list"}');
   await tab.setInputFiles('#truth', join(folder, 'truth.json'));
-  await tab.waitForFunction(() => document.querySelector('#status').textContent.startsWith('truth.json: it is no list'));
+  const refused = () => document.querySelector('#status').textContent.startsWith('truth.json: it is no list');
+  await tab.waitForFunction(refused);
   assert.deepEqual(await saved(), truth);
   execFileSync('rm', ['-r', folder]);
 });
