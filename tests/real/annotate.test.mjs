@@ -26,7 +26,8 @@ after(() => browser.close());
 async function at([x, y]) {
   const canvas = tab.locator('canvas');
   const box = await canvas.boundingBox();
-  const [zoom, left, top] = await canvas.evaluate(({ dataset: view }) => [view.zoom, view.x, view.y].map(Number));
+  const view = await canvas.evaluate(({ dataset }) => [dataset.zoom, dataset.x, dataset.y]);
+  const [zoom, left, top] = view.map(Number);
   return { x: box.x + (x + 0.5) * zoom + left, y: box.y + (y + 0.5) * zoom + top, zoom };
 }
 
@@ -120,7 +121,8 @@ test('the scorer reads what the page saves, and the page what it saved', async (
   writeFileSync(join(folder, 'truth.json'), JSON.stringify(truth));
   copyFileSync(picture, join(folder, 'independent.jpg'));
   const words = [folder, '--as-is', '--scale-off', '0', '--json', '--program', "echo '[]'"];
-  const { status, stdout, stderr } = spawnSync(join(build, 'bin', 'strobe-score'), words, { encoding: 'utf8' });
+  const program = join(build, 'bin', 'strobe-score');
+  const { status, stdout, stderr } = spawnSync(program, words, { encoding: 'utf8' });
   assert.equal(status, 1, stderr);  // two balls are to be found, none is
   assert.equal(JSON.parse(stdout.split('\n')[0]).balls, 2);
   await tab.setInputFiles('#truth', join(folder, 'truth.json'));
