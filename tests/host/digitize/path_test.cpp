@@ -228,6 +228,42 @@ TEST(BallPath, OfTwoFlightsOverEachOtherGetsNoTimes) {
   STRCMP_CONTAINS("flies along one line", result.remarks.back().c_str());
 }
 
+TEST(BallPath, HasNoPressedBallInALegWhereTheSurfaceIsHardlyKnown) {
+  constexpr double kSurfaceSd_px = 10.0;
+  int contacts = 0;
+  for (const double off_px : {-20.0, -10.0, 0.0, 10.0, 20.0}) {  // of two sd
+    for (int k = 0; k < 10; ++k) {
+      Shot shot;
+      shot.first_flash_s = 0.1 * k * kPeriod_s;
+      shot.leftwards = k % 2 == 1;
+      const std::vector<Shot::Image> images = shot.images();
+      std::vector<int> order;
+      std::vector<PathPoint> points = shuffled(images, order, 7);
+      for (PathPoint& point : points) point.at.y += off_px;
+      TimeContext s = scene(true, flashes());
+      s.path.surface_sd_px = kSurfaceSd_px;
+      const Path path = find_path(points, s.path);
+      LONGS_EQUAL(0, path.outliers.size());
+      LONGS_EQUAL(2, path.legs.size());
+      const auto& in = path.legs[shot.leftwards ? 1 : 0];
+      const auto& out = path.legs[shot.leftwards ? 0 : 1];
+      for (const auto* leg : {&in, &out}) {
+        for (const int i : *leg) {
+          const Shot::Image& image = images[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])];
+          // What is pressed by a twentieth of its radius is no longer where free flight would have it.
+          CHECK(image.leg != Leg::contact || image.point.at.y > 0.95 * 0.5 * kDiameter_px);
+        }
+      }
+      // No more than one flash falls within the five sd above the surface that the line and its error span.
+      const auto airborne = std::ranges::count_if(
+          images, [](const Shot::Image& image) { return image.leg != Leg::contact; });
+      CHECK(static_cast<std::ptrdiff_t>(in.size() + out.size()) >= airborne - 2);
+      contacts += static_cast<int>(path.contact.size());
+    }
+  }
+  CHECK(contacts >= 50);
+}
+
 TEST(BallPath, OfNothingIsEmpty) {
   const Path path = find_path({}, scene(true).path);
   CHECK_TRUE(path.legs.empty() && path.contact.empty() && path.outliers.empty());
