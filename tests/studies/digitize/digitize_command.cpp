@@ -52,9 +52,9 @@ int run(Request& request) {
     return 2;
   }
   request.options.independent = request.renderer == "independent";
-  if (request.options.independent && (request.chain || request.latency || request.matches || request.raw)) {
+  if (request.options.independent && (request.chain || request.latency || request.raw)) {
     fmt::print(stderr,
-               "strobe-bench: digitize: --renderer independent is for the accuracy and --robustness\n");
+               "strobe-bench: digitize: --renderer independent is for the accuracy, --matches and --robustness\n");
     return 2;
   }
   if (request.matches) {
@@ -103,6 +103,8 @@ void add_studies(CLI::App& command, Request& o) {
       ->check(CLI::Range(0.01, 100.0));
   command.add_option("--machine-lag-sd-ms", o.options.machine_lag_sd_ms, "Likewise")
       ->check(CLI::Range(0.01, 1000.0));
+  command.add_flag("!--unknown-lens", o.options.viewpoint,
+                   "Of --matches: where the lens is, is not in the rig file");
   command
       .add_option("--issue-jitter-us", o.options.issue_jitter_us,
                   "Of --matches: by how much flashes come late")

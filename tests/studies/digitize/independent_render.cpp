@@ -515,6 +515,8 @@ IndependentTruth independent_truth(const sim::Scene& scene, const sim::Exposure&
   }
   for (const double x_m : {-0.2, 0.2})
     truth.surface_px.push_back(upright(draft.view, draft.view.pixel({x_m, draft.view.surface_m, 0.0})));
+  const reduction::PointPx foot = upright(draft.view, draft.view.pixel({0.0, 0.0, 0.0}));
+  truth.viewpoint_px = {foot.x, foot.y, draft.view.distance_m * draft.view.px_per_m};
   return truth;
 }
 

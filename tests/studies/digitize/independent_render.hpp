@@ -4,6 +4,7 @@
 // Deterministic by the take's seed; thread-safe; allocates.
 #pragma once
 
+#include <array>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct IndependentTruth {
   std::vector<TrueImage> images;
   std::vector<double> times_s;                 ///< of the images, from the first pulse's edge
   std::vector<reduction::PointPx> surface_px;  ///< two points of the surface
+  std::array<double, 3> viewpoint_px{};        ///< foot of the lens on the plane of flight, its distance
 };
 
 /// Of the photograph that the same arguments render; nothing is rendered here.

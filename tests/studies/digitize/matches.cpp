@@ -101,7 +101,7 @@ Result<reduction::Frame> digitized_frame(const Options& options, const KnownPhot
   const host::FlashTimes times = host::flash_times(shot);
   for (const host::ObservedFlash& flash : times.seen)
     times_s.push_back(to_seconds(flash.time - times.seen.front().time));
-  auto digitized = strobe::digitize::digitize(known.photograph, *settings);
+  auto digitized = host::measure(known.photograph, *settings, {}, rig.camera);
   if (!digitized) return tl::unexpected(digitized.error());
   return std::move(digitized->frame);
 }
@@ -113,8 +113,10 @@ Result<Done> run_shot(const Options& options, Take take) {
   const double px_per_m = known->scene_truth.px_per_m_of_ball;
   const double scale_sd = 0.01 * options.scale_sd_percent;
   sim::Draws draws(options.seed, sim::Purpose::tablet, 2'000'000 + static_cast<std::uint64_t>(take.shot));
-  const host::RigFile rig = rig_of(take.scene, {px_per_m * (1.0 + scale_sd * draws.normal()),
-                                                px_per_m * scale_sd, take.scene.ball.diameter_m, 0.0});
+  const host::RigFile rig = rig_of(take.scene,
+                                   {px_per_m * (1.0 + scale_sd * draws.normal()), px_per_m * scale_sd,
+                                    take.scene.ball.diameter_m, 0.0},
+                                   options.viewpoint ? known->viewpoint_px : std::nullopt);
   strobe_msgs::shot_t shot = shot_message(*known, take.scene, take.shot, to_ns(known->shot.exposure.closed));
   // As with a rig whose machine is as late as its file says, give or take its spread.
   if (!options.train.empty())
@@ -198,7 +200,11 @@ Result<void> study_matches(const Options& options) {
       [&](std::size_t i) {
         return run_shot(
             options,
-            {(*scenes)[i / shots], options.seed, options.first_shot + static_cast<int>(i % shots), {}, {}});
+            {.scene = (*scenes)[i / shots],
+             .seed = options.seed,
+             .shot = options.first_shot + static_cast<int>(i % shots),
+             .kept_in = options.keep,
+             .independent = options.independent});
       },
       [&](std::size_t i, const Done& one) {
         tally.add(one);

@@ -10,6 +10,7 @@
 
 #include "common/image/opencv.hpp"
 #include "sim/photograph/render.hpp"
+#include "sim/rig/camera.hpp"
 #include "tests/support/pictures.hpp"
 
 namespace strobe::studies::digitize {
@@ -106,6 +107,10 @@ KnownPhotograph known_of(const Take& take, sim::SimulatedShot shot) {
   known.truth = true_images(take.scene, known.scene_truth);
   for (const sim::ImageTruth& image : known.scene_truth.images) known.times_s.push_back(image.time_s);
   known.surface_px = known.scene_truth.surface_px;
+  if (const auto& camera = take.scene.camera; camera.distance_m > 0.0) {
+    const reduction::PointPx foot = sim::Camera(take.scene).foot_px();
+    known.viewpoint_px = {foot.x, foot.y, camera.distance_m * camera.px_per_m};
+  }
   known.shot = std::move(shot);
   return known;
 }
@@ -138,6 +143,7 @@ Result<KnownPhotograph> known_photograph(const Take& take) {
     known.truth = std::move(truth.images);
     known.times_s = std::move(truth.times_s);
     known.surface_px = std::move(truth.surface_px);
+    known.viewpoint_px = truth.viewpoint_px;
   }
   known.decode_ms = decode_ms;
   known.photograph = std::move(*photograph);

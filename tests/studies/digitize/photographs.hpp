@@ -2,6 +2,7 @@
 // thread-safe; allocates.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -40,6 +41,8 @@ struct KnownPhotograph {
   std::vector<TrueImage> truth;
   std::vector<double> times_s;                 ///< of the true images, in the same order
   std::vector<reduction::PointPx> surface_px;  ///< two points of the surface's true line
+  /// Foot of the lens on the plane of flight, and its distance, px; absent: infinitely far.
+  std::optional<std::array<double, 3>> viewpoint_px{};
   double decode_ms = 0.0;
   sim::SimulatedShot shot;
   sim::PhotographTruth scene_truth;

@@ -65,7 +65,8 @@ shot_t shot_message(const KnownPhotograph& known, const sim::Scene& scene, int s
   return shot;
 }
 
-host::RigFile rig_of(const sim::Scene& scene, const Calibrated& calibrated) {
+host::RigFile rig_of(const sim::Scene& scene, const Calibrated& calibrated,
+                     const std::optional<std::array<double, 3>>& viewpoint_px) {
   host::RigFile rig;
   rig.rig = "bench";
   if (scene.kind) rig.ball = host::settings_of(*scene.kind);
@@ -77,6 +78,7 @@ host::RigFile rig_of(const sim::Scene& scene, const Calibrated& calibrated) {
   rig.analysis.surface_angle_deg = degrees(scene.surface_angle_rad);
   rig.camera.px_per_m = calibrated.px_per_m;
   rig.camera.px_per_m_sd = calibrated.px_per_m_sd;
+  rig.camera.viewpoint_px = viewpoint_px;
   return rig;
 }
 

@@ -22,6 +22,7 @@ strobe_msgs::shot_t shot_message(const KnownPhotograph& known, const sim::Scene&
 struct Calibrated {
   double px_per_m = 0.0, px_per_m_sd = 0.0, ball_diameter_m = 0.0, ball_diameter_sd_m = 0.0;
 };
-host::RigFile rig_of(const sim::Scene& scene, const Calibrated& calibrated);
+host::RigFile rig_of(const sim::Scene& scene, const Calibrated& calibrated,
+                     const std::optional<std::array<double, 3>>& viewpoint_px = {});
 
 }  // namespace strobe::studies::digitize

@@ -39,6 +39,7 @@ struct Options {
   std::optional<double> machine_lag_sd_ms;  ///< likewise
   double noise = 1.0;  ///< of the RAW study's sensors, over the scenes'
   bool simulated = false;  ///< of the matches: nothing is rendered, the digitizer is a normal error
+  bool viewpoint = true;   ///< of the matches: the lens's place is known, as from a calibration
   std::string save;        ///< folder for what went wrong
   std::string keep;        ///< Take::kept_in
   std::string csv;         ///< one line an image; of the robustness: a condition
