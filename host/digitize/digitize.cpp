@@ -190,6 +190,11 @@ class Digitizer {
       return;
     }
     surface_ = *found;
+    if (found->hidden_px > 0.0)
+      result_.remarks.push_back(fmt::format(
+          "the plate is so light that its near edge, up to {:.1f} px below the far one, may not show: "
+          "the surface is known to {:.1f} px; light the plate less, or calibrate it",
+          found->hidden_px, 0.5 * found->sd_px));
     if (found->edge_separation_px > 0.0)
       result_.remarks.push_back(
           fmt::format("the plate shows two edges {:.1f} px apart: the surface is taken "

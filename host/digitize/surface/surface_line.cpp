@@ -30,6 +30,8 @@ constexpr double kAsClear = 0.05;
 constexpr double kMaxReach = 3.0;  ///< of the half length seen
 // The fastest shots press a ball together until its centre is .3 of its radius above the surface.
 constexpr double kLowestOfRadius = 0.15;
+// A plate in the middle of which balls are to bounce is no less deep than they are wide on either side.
+constexpr double kDepthOfDiameter = 2.0;
 // The lamps leave the same side of each ball dark, and its limb is of the same felt: 26 photographs' mean
 // errors are .05 px rms on the simulator's renderer and on the independent one, where outlines state .07 to
 // .08 px.
@@ -117,13 +119,18 @@ double quality(const EdgeLine& edge, std::span<const Outline> outlines) {
   return value;
 }
 
+double largest_diameter(std::span<const Outline> outlines) {
+  double diameter = 0.0;
+  for (const Outline& o : outlines) diameter = std::max(diameter, o.diameter);
+  return diameter;
+}
+
 /// The other edge of a plate that is seen from above: parallel to it, as long, and less than a ball away.
 /// Kept though no scene shows one, because a camera a hand above the plate does, and heights would be wrong
 /// by half its depth.
 const EdgeLine* other_edge(const EdgeLine& edge, std::span<const EdgeLine> edges,
                            std::span<const Outline> outlines) {
-  double diameter = 0.0;
-  for (const Outline& o : outlines) diameter = std::max(diameter, o.diameter);
+  const double diameter = largest_diameter(outlines);
   const EdgeLine* other = nullptr;
   for (const EdgeLine& e : edges) {
     const double apart = std::abs(e.at(edge.middle.x) - edge.middle.y);
@@ -143,6 +150,42 @@ double shared_sd_px(std::span<const Outline> outlines) {
   const cv::Vec3d lowest_by(0.0, 1.0, -0.5);
   for (const Outline& o : outlines) variances.push_back(lowest_by.dot(o.covariance * lowest_by));
   return std::sqrt(kSharedOfVariance * std::max(0.0, upper_median(std::move(variances))));
+}
+
+/// How far light saturates below the edge, at most `reach_px`: the median of what is seen of it.
+double saturated_below_px(const Photograph& photograph, const PlaneMap& map, const OcclusionMask& occluded,
+                          const EdgeLine& edge, double reach_px) {
+  const double full = kSaturatedShare * static_cast<double>(photograph.saturation);
+  const cv::Rect view(0, 0, photograph.width(), photograph.height());
+  // Blur leaves the edge itself less than full.
+  constexpr int kBlurred_px = 4;
+  std::vector<double> depths;
+  for (int i = 0; i < profile_count(photograph); ++i) {
+    const double x = map.to_plane({static_cast<double>(profile_column(photograph, i)), 0.0}).x;
+    double deep = 0.0;
+    for (int below = kBlurred_px; below <= reach_px; ++below) {
+      const cv::Point at(map.to_image({x, edge.at(x) - below}));
+      if (!view.contains(at) || occluded.at(at.x, at.y)) {
+        deep = -1.0;
+        break;
+      }
+      if (photograph.intensity.at<float>(at) < full) break;
+      deep = below;
+    }
+    if (deep >= 0.0) depths.push_back(deep);
+  }
+  return depths.empty() ? 0.0 : upper_median(std::move(depths));
+}
+
+/// From a lens above the plate: how far below its far edge its near one may be seen, and saturated light
+/// hides it.
+double hidden_below_px(const Photograph& photograph, const PlaneMap& map, const OcclusionMask& occluded,
+                       const EdgeLine& edge, std::span<const Outline> outlines) {
+  if (!map.viewpoint()) return 0.0;
+  const double above = map.viewpoint()->foot_px.y - edge.at(map.viewpoint()->foot_px.x);
+  const double reach = kDepthOfDiameter * largest_diameter(outlines) * above / map.viewpoint()->distance_px;
+  const double hidden = saturated_below_px(photograph, map, occluded, edge, reach);
+  return hidden < kMinApart_px ? 0.0 : hidden;
 }
 
 /// Half-way between the two, with the variance of a uniform distribution between them.
@@ -167,6 +210,15 @@ SurfaceLine four_points(const EdgeLine& edge) {
     line.points.emplace_back(x, edge.at(x));
   }
   line.sd_px = 2.0 * edge.sd_px;
+  return line;
+}
+
+/// Half-way to an edge that may be anywhere down to there.
+SurfaceLine with_hidden_edge(const EdgeLine& edge, double hidden_px) {
+  EdgeLine lowest = edge;
+  lowest.middle.y -= hidden_px;
+  SurfaceLine line = four_points(between(edge, lowest));
+  line.hidden_px = hidden_px;
   return line;
 }
 
@@ -221,7 +273,8 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
   refined.sd_px = std::hypot(refined.sd_px, shared_sd_px(outlines));
   best = &refined;
   const EdgeLine* other = other_edge(*best, edges, outlines);
-  if (other == nullptr) return four_points(*best);
+  if (other == nullptr)
+    return with_hidden_edge(*best, hidden_below_px(photograph, map, occluded, *best, outlines));
   const EdgeLine middle = between(*best, *other);
   // The other edge is a clamp's above the plate if balls reach below the middle.
   if (!possible(middle, outlines)) return four_points(*best);

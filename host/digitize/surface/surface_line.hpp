@@ -26,6 +26,9 @@ struct SurfaceLine {
   /// Distance of the front and back edges of a plate seen from above, else 0. The balls' plane cuts the plate
   /// somewhere between: the line lies half-way, and sd_px covers both.
   double edge_separation_px = 0.0;
+  /// How far below the edge that is seen the plate's near edge may hide in saturated light, else 0. The line
+  /// then lies half-way, too.
+  double hidden_px = 0.0;
 };
 
 /// The surface's axes on the photograph: along the line and up from it [px]. Horizontal if all points are

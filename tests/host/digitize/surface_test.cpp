@@ -57,9 +57,16 @@ Outline ball_at(double x, double y) {
   return outline;
 }
 
-Measured<SurfaceLine> found(const Photograph& photograph) {
+Measured<SurfaceLine> found(const Photograph& photograph,
+                            const PlaneMap& map = PlaneMap::uncalibrated(kHeight)) {
   const std::vector<Outline> outlines{ball_at(150.0, 180.0), ball_at(300.0, 102.0), ball_at(420.0, 160.0)};
-  return find_surface_line(photograph, PlaneMap::uncalibrated(kHeight), outlines);
+  return find_surface_line(photograph, map, outlines);
+}
+
+/// A lens 600 px from the balls, so far above that row.
+PlaneMap seen_from(double above_px, double row) {
+  const cv::Matx33d upright(1.0, 0.0, 0.0, 0.0, -1.0, kHeight - 1.0, 0.0, 0.0, 1.0);
+  return PlaneMap::calibrated({}, upright, Viewpoint{{300.0, kHeight - 1.0 - row + above_px}, 600.0});
 }
 
 double height_above(const SurfaceLine& line, const Eigen::Vector2d& point) {
@@ -114,6 +121,34 @@ TEST(SurfaceLine, OfAPlateSeenFromAboveLiesBetweenItsEdgesAndSaysSo) {
   DOUBLES_EQUAL(0.0, height_above(*line, {300.0, kHeight - 1 - 224.0}), 0.2);
   // Anywhere between them alike: 24 px/sqrt(12) = 6.9; of four points as if of three: 8.
   CHECK_TRUE(height_sd_px(*line) > 6.8 && height_sd_px(*line) < 8.1);
+}
+
+TEST(SurfaceLine, OfASaturatedPlateSeenFromAboveIsAsUncertainAsItsNearEdgeIsHidden) {
+  constexpr double kFar = 212.0;
+  Photograph photograph = stepped({kFar}, 0.0, 15.0);
+  cv::min(photograph.intensity, 1.0, photograph.intensity);
+  const auto line = found(photograph, seen_from(100.0, kFar));
+  CHECK_TRUE(line.has_value());
+  // Balls 60 px wide bounce in the plane of flight, up to as far before the far edge: with the lens at (0, 100, 600)
+  // from the line there, it is seen at 100 - (100 - 0)·600/(600 + z) above the line for an edge z behind.
+  for (const double z : {0.0, 20.0, 40.0, 60.0}) {
+    const double edge_above = 100.0 - 100.0 * 600.0 / (600.0 + z);
+    const double off = height_above(*line, {300.0, kHeight - 1 - kFar - edge_above});
+    CHECK(std::abs(off) < 2.0 * height_sd_px(*line));
+  }
+  // Half as wide a range would be a third of what it may be; all of it, 20 px, is 6 px of a uniform one.
+  CHECK(height_sd_px(*line) > 4.0 && height_sd_px(*line) < 8.0);
+  // Not from a lens level with the plate or below it, nor where the near edge would show: as one far away sees it.
+  const auto sharp = [](const Photograph& seen, double above_px) {
+    const auto near = found(seen, seen_from(above_px, kFar)), far = found(seen);
+    CHECK_TRUE(near.has_value() && far.has_value());
+    DOUBLES_EQUAL(0.0, near->hidden_px, 0.0);
+    DOUBLES_EQUAL(far->sd_px, near->sd_px, 1e-9);
+    DOUBLES_EQUAL(0.0, height_above(*far, {near->points.front().x, near->points.front().y}), 1e-9);
+  };
+  sharp(photograph, 0.0);
+  sharp(photograph, -100.0);
+  sharp(stepped({kFar}), 100.0);
 }
 
 TEST(SurfaceLine, OfAPlateIsNotDrawnToAFaintEdgeOfTheBackground) {
