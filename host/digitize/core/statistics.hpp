@@ -36,6 +36,19 @@ inline double median(std::vector<double> values) {
   return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }
 
+/// Of values and their weights, > 0. Returns 0 for none.
+inline double weighted_median(std::vector<std::pair<double, double>> values) {
+  std::ranges::sort(values);
+  double total = 0.0;
+  for (const auto& [value, weight] : values) total += weight;
+  double sum = 0.0;
+  for (const auto& [value, weight] : values) {
+    sum += weight;
+    if (sum >= 0.5 * total) return value;
+  }
+  return 0.0;
+}
+
 // A check of invariants, for assertions. Pure; thread-safe.
 
 /// Whether a matrix is symmetric and positive semi-definite but for rounding.

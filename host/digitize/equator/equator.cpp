@@ -152,6 +152,24 @@ std::optional<CommonOffset> common_offset(std::span<const std::optional<Measured
   return CommonOffset{offset, sd};
 }
 
+/// A line without what the priors added, about 0 where they are of offset and tilt.
+struct Unbiased {
+  cv::Vec3d line;  ///< angle, offset, tilt
+  cv::Matx33d variance;
+};
+
+/// Takes back the priors of which `weights` is a part of fit.prior. Returns nullopt if nothing else tells the
+/// line.
+std::optional<Unbiased> without_prior(const LineFit& fit, const cv::Matx33d& weights) {
+  bool told = false;
+  const cv::Matx33d information = fit.variance.inv(cv::DECOMP_CHOLESKY, &told) - weights;
+  if (!told) return std::nullopt;
+  const cv::Matx33d variance = information.inv(cv::DECOMP_CHOLESKY, &told);
+  if (!told) return std::nullopt;
+  const cv::Vec3d line(fit.line.angle_rad, fit.line.offset, fit.line.tilt_rad);
+  return Unbiased{line + variance * (weights * line), variance};
+}
+
 /// Fits again with priors of offset and tilt from all images, as all show the same line: the angle of a line
 /// of which one end is visible becomes more certain, and so does the tilt of a line that is on no great
 /// circle.
@@ -279,7 +297,8 @@ Measured<Equator> result(const Disc& disc, const Found& found, const Scatter& sc
   // A fiftieth of a pixel at the outline: shading residuals without any noise.
   const double floor_rad = std::max(0.01 * kDegree, 0.02 / disc.radius_image_px);
   const double factor = variance * scatter.correlation;
-  equator.sd_rad = std::hypot(std::sqrt(factor * fit.variance(0, 0)), floor_rad);
+  equator.sd_rad =
+      std::hypot(std::sqrt(std::max(factor * fit.variance(0, 0), fit.angle_variance)), floor_rad);
   if (!(equator.sd_rad < 3.0 * kDegree))
     return tl::unexpected<Rejection>(
         Rejection{Reason::imprecise, fmt::format("sd of {:.1f} degrees", equator.sd_rad / kDegree)});

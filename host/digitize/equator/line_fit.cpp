@@ -222,18 +222,6 @@ Segments measure_segments(std::span<const LinePoint> points, const EquatorLine& 
   return result;
 }
 
-double weighted_median(std::vector<std::pair<double, double>> values) {
-  std::ranges::sort(values);
-  double total = 0.0;
-  for (const auto& [value, weight] : values) total += weight;
-  double sum = 0.0;
-  for (const auto& [value, weight] : values) {
-    sum += weight;
-    if (sum >= 0.5 * total) return value;
-  }
-  return 0.0;
-}
-
 /// Angle, offset, tilt; what the line is wider, the ball farther along the line and larger than was assumed.
 using LineTerms = cv::Vec<double, 6>;
 using LineNormal = cv::Matx<double, 6, 6>;
@@ -345,6 +333,7 @@ class Regression {
     const double n = static_cast<double>(fit_.segments.size());
     fit_.degrees_of_freedom = std::max(1.0, n - kParameters);
     const double mean_slope = std::max(0.2, slope / n), slope2 = mean_slope * mean_slope;
+    mean_slope2_ = slope2;
     fit_.scatter = psi2 / fit_.degrees_of_freedom / slope2;
     // The fitted parameters make residuals of independent neighbours negatively correlated.
     fit_.covariance = (products + (n - fit_.degrees_of_freedom) * psi2 / fit_.degrees_of_freedom) /
@@ -366,12 +355,33 @@ class Regression {
     const LineNormal inverse = normal.inv(cv::DECOMP_CHOLESKY, &solved);
     fit_.variance = inverse.get_minor<3, 3>(0, 0);
     fit_.prior = cv::Matx33d::diag({prior[0], prior[1], prior[2]});
+    fit_.angle_variance = angle_variance(inverse, prior);
     return solved && fit_.variance(0, 0) > 0.0;
+  }
+
+  /// A seam or another ball's edge moves one stretch of the line: the sandwich estimator, with Bartlett's
+  /// window along the line (Newey and West 1987).
+  double angle_variance(const LineNormal& inverse, const LineTerms& prior) const {
+    constexpr std::size_t kShared = 4;  // segments: a logo reaches over a few, as at outlines
+    std::vector<double> pulls;
+    for (const Segment& s : fit_.segments) {
+      const LineTerms x = row(s), moved = inverse * x;
+      // Corrects the residual for its own leverage.
+      const double leverage = std::min(0.7, s.weight * x.dot(moved));
+      pulls.push_back(moved[0] * s.weight * s.inlier_weight * s.offset / (1.0 - leverage));
+    }
+    double sum = 0.0, by_priors = 0.0;
+    for (std::size_t k = 0; k < pulls.size(); ++k) {
+      for (std::size_t lag = 0; lag < kShared && lag <= k; ++lag)
+        sum += (lag == 0 ? 1.0 : 2.0 - 2.0 * static_cast<double>(lag) / kShared) * pulls[k] * pulls[k - lag];
+    }
+    for (int a = 0; a < 6; ++a) by_priors += inverse(0, a) * inverse(0, a) * prior[a] * fit_.scatter;
+    return std::max(0.0, sum / mean_slope2_) + by_priors;
   }
 
   LineFit& fit_;
   const LineFitSettings& settings_;
-  double cos_tilt_, tan_tilt_;
+  double cos_tilt_, tan_tilt_, mean_slope2_ = 1.0;
   std::vector<double> raw_;  ///< offsets from the line before the fit
   double scale_ = 0.0;
 };
@@ -416,16 +426,6 @@ bool set_contrast_and_offsets(Segments measured, LineFit& fit) {
 }
 
 }  // namespace
-
-std::optional<Unbiased> without_prior(const LineFit& fit, const cv::Matx33d& weights) {
-  bool told = false;
-  const cv::Matx33d information = fit.variance.inv(cv::DECOMP_CHOLESKY, &told) - weights;
-  if (!told) return std::nullopt;
-  const cv::Matx33d variance = information.inv(cv::DECOMP_CHOLESKY, &told);
-  if (!told) return std::nullopt;
-  const cv::Vec3d line(fit.line.angle_rad, fit.line.offset, fit.line.tilt_rad);
-  return Unbiased{line + variance * (weights * line), variance};
-}
 
 std::optional<LineFit> fit_line(std::span<const LinePoint> points, double radius, const EquatorLine& start,
                                 const LineFitSettings& settings) {

@@ -27,13 +27,14 @@ struct Segment {
 struct LineFit {
   EquatorLine line;
   std::vector<Segment> segments;
-  cv::Matx33d prior;                ///< weights of the priors of angle, offset and tilt, for a scatter of one
-  cv::Matx33d variance;             ///< of angle, offset and tilt, for a scatter of one, priors included
-  double scatter = 0.0;             ///< M-estimator's variance of the offsets times weight
-  double expected_scatter = 0.0;    ///< the same from the residuals within the segments
-  double degrees_of_freedom = 0.0;  ///< of `scatter`
-  double covariance = 0.0;          ///< of adjacent segments' offsets, in the units of `scatter`
-  double dark_fraction = 0.0;       ///< dark segments among those whose contrast is known well enough
+  cv::Matx33d prior;            ///< weights of the priors of angle, offset and tilt, for a scatter of one
+  cv::Matx33d variance;         ///< of angle, offset and tilt, for a scatter of one, priors included
+  double angle_variance = 0.0;  ///< as the segments' own residuals have it, neighbours' shared part included
+  double scatter = 0.0;         ///< M-estimator's variance of the offsets times weight
+  double expected_scatter = 0.0;       ///< the same from the residuals within the segments
+  double degrees_of_freedom = 0.0;     ///< of `scatter`
+  double covariance = 0.0;             ///< of adjacent segments' offsets, in the units of `scatter`
+  double dark_fraction = 0.0;          ///< dark segments among those whose contrast is known well enough
   double contrast_significance = 0.0;  ///< z-score of the contrast, from its scatter over the segments
   double inlier_fraction = 0.0;        ///< of the segments, by weight
   double rms_offset = 0.0;             ///< of all segments, radii
@@ -50,16 +51,6 @@ struct LineFitSettings {
   double blur = 0.0;                  ///< sd of the photograph's, radii
   const ShapeGrid* shapes = nullptr;  ///< null: the shape is not fitted
 };
-
-/// A line without what the priors added, about 0 where they are of offset and tilt.
-struct Unbiased {
-  cv::Vec3d line;  ///< angle, offset, tilt
-  cv::Matx33d variance;
-};
-
-/// Takes back the priors of which `weights` is a part of fit.prior. Returns nullopt if nothing else tells the
-/// line.
-std::optional<Unbiased> without_prior(const LineFit& fit, const cv::Matx33d& weights);
 
 /// `radius`: the ball's in bins. Returns nullopt if too little is visible.
 std::optional<LineFit> fit_line(std::span<const LinePoint> points, double radius, const EquatorLine& start,
