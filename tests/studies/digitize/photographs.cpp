@@ -75,7 +75,13 @@ Result<Bytes> render_bytes(const Take& take, const sim::SimulatedShot& shot) {
 }
 
 fs::path kept_path(const Take& take) {
-  const std::string name = take.scene.name + (take.independent ? "_independent" : "");
+  std::string name = take.scene.name + (take.independent ? "_independent" : "");
+  if (!take.shooting.train.empty()) {
+    std::size_t hash = 0;
+    for (const Duration offset : take.shooting.train)
+      hash = hash * 31 + static_cast<std::size_t>(offset.count());
+    name += fmt::format("_train{:x}", hash);
+  }
   return take.kept_in /
          fmt::format("{}_seed{}_{:04}{}", name, take.seed, take.shot, take.independent ? ".jpg" : ".tif");
 }

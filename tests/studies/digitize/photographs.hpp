@@ -32,7 +32,7 @@ struct Take {
   std::optional<int>
       jpeg_quality{};  ///< 1 to 100, 8 bits; 0: not compressed; absent: 85 to 95 of the second renderer's
   bool ignore_marking = false;    ///< a line is looked for on a ball that has none, too
-  sim::ShootSettings shooting{};  ///< the train of flashes; a kept photograph is one of the default's
+  sim::ShootSettings shooting{};  ///< a kept photograph is one of the same train of flashes
 };
 
 struct KnownPhotograph {
