@@ -79,6 +79,7 @@ struct Outline {
   double visible_fraction = 0.0;  ///< of the whole circle, 0 to 1
   double rms_px = 0.0;            ///< of its edge residuals
   double blur_px = 0.0;           ///< sd of the edge's blur
+  double probability = 1.0;       ///< that it is one of the ball's images, 0 to 1
 
   /// Of the less certain coordinate. [px]
   double centre_sd() const { return std::sqrt(std::max(covariance(0, 0), covariance(1, 1))); }

@@ -16,7 +16,6 @@ namespace {
 constexpr std::size_t kDirections = std::tuple_size_v<Limb>;
 constexpr int kAcross = 3;  // samples along the outline, for one direction
 constexpr std::ptrdiff_t kMinOutlines = 3;
-constexpr double kHalf = 0.5, kNearlyWhole = 0.75;
 constexpr float kMinGain = 0.7F;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -72,31 +71,50 @@ class Reader {
   std::optional<geometry::SurfaceFrame> axes_;
 };
 
-/// Median over the directions, or the outlines, that can be observed.
+/// Median over the directions that can be observed.
 float median_rise(std::vector<double> rises) {
   std::erase_if(rises, [](double r) { return std::isnan(r); });
   return rises.empty() ? kNone : static_cast<float>(median(std::move(rises)));
 }
 
-/// From how much of an outline on it counts for the typical limb. Arcs of several things are hardly seen for
-/// more than half; where background is busy they outnumber the balls, and a single ball that is seen nearly
-/// whole tells more than all of them.
-double min_visible_for_typical(std::span<const Outline> outlines) {
-  const auto seen_for = [&](double visible) {
-    return std::ranges::count_if(outlines, [&](const Outline& o) { return o.visible_fraction >= visible; });
-  };
-  if (seen_for(kHalf) >= kMinOutlines) return kHalf;
-  return seen_for(kNearlyWhole) > 0 ? kNearlyWhole : 0.0;
+/// How much an outline says of the typical limb: what it rises by at least in three of four directions, times
+/// the share of directions that show anything. A lit ball's limb rises all around, arcs of several things on
+/// those arcs only, and a ghost by little: where they outnumber the balls these still decide.
+double weight_for_typical(const Limb& limb) {
+  // Where one lamp lights half of every ball there is nothing else to go by.
+  constexpr float kByArc = 0.05F;
+  std::vector<float> rises(limb.begin(), limb.end());
+  std::erase_if(rises, [](float rise) { return std::isnan(rise); });
+  const double observed = static_cast<double>(rises.size()) / kDirections;
+  const float all_around = quantile(rises, 1, 4), arc = quantile(std::move(rises), 3, 4);
+  return observed * (std::max(0.0F, all_around) + kByArc * std::max(0.0F, arc));
 }
 
-Limb typical_limb(std::span<const Outline> outlines, const std::vector<Limb>& limbs) {
-  const double visible = min_visible_for_typical(outlines);
+struct Weighted {
+  float value = 0.0F;
+  double weight = 0.0;
+};
+
+/// The least value that half of the weight does not exceed; not-a-number without weight.
+float weighted_median(std::vector<Weighted> values) {
+  std::ranges::sort(values, {}, &Weighted::value);
+  double left = 0.0;
+  for (const Weighted& one : values) left += 0.5 * one.weight;
+  if (!(left > 0.0)) return kNone;
+  for (const Weighted& one : values)
+    if ((left -= one.weight) <= 0.0) return one.value;
+  return values.back().value;
+}
+
+Limb typical_limb(const std::vector<Limb>& limbs) {
+  std::vector<double> weights;
+  for (const Limb& limb : limbs) weights.push_back(weight_for_typical(limb));
   Limb typical{};
   for (std::size_t k = 0; k < kDirections; ++k) {
-    std::vector<double> rises;
+    std::vector<Weighted> rises;
     for (std::size_t i = 0; i < limbs.size(); ++i)
-      if (outlines[i].visible_fraction >= visible) rises.push_back(limbs[i][k]);
-    typical[k] = median_rise(std::move(rises));
+      if (!std::isnan(limbs[i][k])) rises.push_back({limbs[i][k], weights[i]});
+    typical[k] = weighted_median(std::move(rises));
   }
   return typical;
 }
@@ -129,6 +147,15 @@ LimbAgreement compared(const Limb& limb, const Limb& typical) {
   return result;
 }
 
+/// Logistic regression over 6941 outlines, 2957 of them balls', on 168 rendered photographs: 24 scenes with
+/// blobs, clutter and trails by ambient light, as they are and mirrored, smaller, compressed, noisy, blurred
+/// and with a screen's gamma. Of those between even odds and one in four, and so on, as many were balls as
+/// this says.
+double log_odds_of(const LimbAgreement& limb, double visible_fraction) {
+  constexpr double kOffset = -4.3, kByLimb = 17.8, kEven = 0.55, kByVisible = 6.2;
+  return kOffset + kByLimb * limb.observed * (limb.agreement - kEven) + kByVisible * visible_fraction;
+}
+
 }  // namespace
 
 std::vector<LimbAgreement> compare_limbs(const Photograph& photograph, const PlaneMap& map,
@@ -141,11 +168,12 @@ std::vector<LimbAgreement> compare_limbs(const Photograph& photograph, const Pla
       limbs[i] = reader.limb(outlines[i]);
   });
   Limb typical{};
-  if (std::ssize(limbs) >= kMinOutlines) typical = typical_limb(outlines, limbs);
+  if (std::ssize(limbs) >= kMinOutlines) typical = typical_limb(limbs);
   std::vector<LimbAgreement> result;
-  for (const Limb& limb : limbs) {
-    if (std::ssize(limbs) < kMinOutlines) typical.fill(median_rise({limb.begin(), limb.end()}));
-    result.push_back(compared(limb, typical));
+  for (std::size_t i = 0; i < limbs.size(); ++i) {
+    if (std::ssize(limbs) < kMinOutlines) typical.fill(median_rise({limbs[i].begin(), limbs[i].end()}));
+    result.push_back(compared(limbs[i], typical));
+    result.back().log_odds = log_odds_of(result.back(), outlines[i].visible_fraction);
   }
   assert(result.size() == outlines.size());
   return result;

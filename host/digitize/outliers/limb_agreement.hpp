@@ -28,17 +28,17 @@ struct LimbAgreement {
   /// surface.
   double observed = 0.0;
   Limb limb{};
-
-  static constexpr double kBall = 0.75, kNonBall = 0.55;  ///< agreement
-
-  bool is_certain_ball() const { return observed >= 0.3 && agreement >= kBall; }
-  /// A false outline agrees on its borrowed arcs and, by chance, on a third of the rest.
-  bool is_certain_non_ball() const { return observed >= 0.15 && agreement < kNonBall; }
+  /// That this is a ball's outline, from the limb and from how much of it is seen, where as many are as are
+  /// not: log(p / (1 - p)).
+  double log_odds = 0.0;
 };
 
+/// From these on an outline is a ball's without doubt: one in twenty is none.
+inline constexpr double kCertainOdds = 3.0;
+
 /// One for each outline, in their order. Directions below the surface are left out. The typical limb is the
-/// median of the outlines seen for more than half; with fewer than 3 such, of those seen for three quarters,
-/// or else of all. With fewer than 3 outlines it is each one's own median over its directions.
+/// median of the outlines, each weighted by what it rises by all around. With fewer than 3 outlines it is
+/// each one's own median over its directions.
 std::vector<LimbAgreement> compare_limbs(const Photograph& photograph, const PlaneMap& map,
                                          std::span<const Outline> outlines,
                                          const std::optional<SurfaceLine>& surface);

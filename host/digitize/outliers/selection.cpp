@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
 
 #include "host/digitize/core/statistics.hpp"
+#include "host/digitize/outliers/ball_odds.hpp"
 #include "host/digitize/outliers/limb_agreement.hpp"
 #include "host/digitize/path/path.hpp"
 
@@ -68,11 +70,11 @@ SizeModel fit_size_model(std::span<const Outline> outlines) {
   return size;
 }
 
-bool has_wrong_size(const Outline& outline, const SizeModel& size) {
+double size_difference(const Outline& outline, const SizeModel& size) {
   const double expected = size.at(outline.centre.x);
   const double allowed = std::max(kToleranceOfDiameter * expected,
                                   kTolerance_sd * std::hypot(outline.diameter_sd(), size.sd, size.spread));
-  return std::abs(outline.diameter - expected) > allowed;
+  return std::abs(outline.diameter - expected) / allowed;
 }
 
 namespace {
@@ -164,14 +166,22 @@ std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint
 
 namespace {
 
-// Flashes of one train differ by at most 30 % in energy (limb_agreement.cpp). Less than half a diameter apart
-// two flashes light a ball alike; further on the lamps' light may fall off by as much again, and noise and
-// blur take a fifth of the rise of an outline that another half hides: .7² · .8 = .4.
-constexpr double kMinShareBeside = 0.7;
-constexpr double kMinShare = 0.4;
-constexpr double kBesideOfDiameter = 0.5;
-// Beyond, light may have fallen off by any amount.
-constexpr double kReachOfDiameter = 2.0;
+// Logarithms of the light of one disc over that of another. Flashes of one train differ by at most 30 % in
+// energy, and their lamps' light falls off with the way from ball to ball.
+constexpr double kFlashVariance = 0.04, kVariancePerDiameter = 0.05;
+// Ambient light between two flashes: from a twentieth to a quarter of a flash's.
+constexpr double kGhostMean = -2.0, kGhostSd = 0.6;
+// What looks most like a ball may be a ghost that is bright.
+constexpr double kMaxOdds = 3.0;
+
+/// log(p / (1 - p)) that a disc of that share of a ball's light is a ball's.
+double log_odds_of_share(double share, double apart_of_diameter) {
+  const double variance = kFlashVariance + kVariancePerDiameter * apart_of_diameter;
+  const double log_share = std::min(0.0, std::log(std::max(share, 1e-3)));
+  const double as_ghost = std::max(0.0, log_share - kGhostMean) / kGhostSd;
+  return 0.5 * (as_ghost * as_ghost - log_share * log_share / variance) +
+         std::log(kGhostSd / std::sqrt(variance));
+}
 
 /// Median over the directions, as lamps stand still and light both alike: what crosses a limb disturbs a few
 /// of them only.
@@ -202,16 +212,15 @@ std::vector<Ghost> find_ghosts(std::span<const LitDisc> discs) {
   for (const std::size_t i : brightest_first) {
     const LitDisc& disc = discs[i];
     std::optional<std::size_t> nearest;
-    double least = kReachOfDiameter * disc.diameter;
+    double least = std::numeric_limits<double>::infinity();
     for (const std::size_t ball : balls) {
       const double apart = cv::norm(discs[ball].centre - disc.centre);
       if (apart < least) least = apart, nearest = ball;
     }
     const double share = nearest ? share_of(disc.limb, discs[*nearest].limb) : 1.0;
-    const bool beside = least < kBesideOfDiameter * disc.diameter;
-    if (share < (beside ? kMinShareBeside : kMinShare))
+    if (nearest && log_odds_of_share(share, least / disc.diameter) + std::min(disc.log_odds, kMaxOdds) < 0.0)
       ghosts.push_back({static_cast<int>(i), share});
-    else if (disc.certain)
+    else if (disc.log_odds >= kCertainOdds)
       balls.push_back(i);
   }
   return ghosts;
@@ -221,43 +230,46 @@ namespace {
 
 // With fewer certain balls the size is taken from all outlines.
 constexpr std::size_t kMinCertainBalls = 4;
-// A less certain centre is that of a sliver at the border, or of arcs that belong to several things.
-constexpr double kMaxSdOfDiameter = 0.004;
-// Near the bounce, arcs of several balls are more likely to look like a ball in contact.
-constexpr double kMaxContactSdOfDiameter = 0.002;
-// What may be a ball by its limb or not must show a share of what could be seen of its outline: a third where
-// it is hardly more than arcs of other things, which agree with a ball's limb there and by chance on a third
-// of the rest (limb_agreement.hpp), and less the more likely a ball it is.
-constexpr double kMinVisible = 1.0 / 3.0;
-// On small balls half a px, which annotation and the coarse search are good to.
-constexpr double kMinMaxSd_px = 0.5;
+// A ball that is missed costs more than an image too many, which the reduction leaves out where it
+// contradicts the others.
+constexpr double kMinProbability = 0.1;
 
 void reject(std::vector<Unmeasured>& rejected, const Outline& o, Reason reason, std::string detail) {
   rejected.push_back({o.centre, o.diameter, "image", {reason, std::move(detail)}});
-}
-
-double min_visible(const LimbAgreement& limb) {
-  constexpr double kFrom = LimbAgreement::kNonBall, kTo = LimbAgreement::kBall;
-  return kMinVisible * limb.observed * std::clamp((kTo - limb.agreement) / (kTo - kFrom), 0.0, 1.0);
 }
 
 std::vector<Outline> certain_balls(const std::vector<Outline>& outlines,
                                    const std::vector<LimbAgreement>& limbs) {
   std::vector<Outline> certain;
   for (std::size_t i = 0; i < outlines.size(); ++i)
-    if (limbs[i].is_certain_ball()) certain.push_back(outlines[i]);
+    if (limbs[i].log_odds >= kCertainOdds) certain.push_back(outlines[i]);
   return certain.size() < kMinCertainBalls ? outlines : certain;
+}
+
+std::string little_seen(const Outline& o, const LimbAgreement& limb) {
+  return fmt::format(
+      "its outline is clear over {:.0f} of 360 degrees only, and light rises by {:.0f} % of what it does "
+      "across the others' outlines",
+      360.0 * o.visible_fraction, 100.0 * limb.agreement);
+}
+
+std::vector<PathPoint> weighted_points(const std::vector<Outline>& outlines, const std::vector<double>& odds,
+                                       const std::optional<SurfaceLine>& surface) {
+  std::vector<PathPoint> points = path_points(outlines, surface);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].weight = probability(odds[i]);
+  return points;
 }
 
 /// The outlines that a path is searched through, with their limbs and places.
 class PathSelection {
  public:
-  PathSelection(std::vector<Outline> outlines, std::vector<LimbAgreement> limbs,
+  PathSelection(std::vector<Outline> outlines, std::vector<LimbAgreement> limbs, std::vector<double> odds,
                 const std::optional<SurfaceLine>& surface, const FlightFacts& facts,
                 std::vector<Unmeasured>& rejected)
       : outlines_(std::move(outlines)),
         limbs_(std::move(limbs)),
-        points_(path_points(outlines_, surface)),
+        odds_(std::move(odds)),
+        points_(weighted_points(outlines_, odds_, surface)),
         path_(find_path(points_, path_context(outlines_, surface, facts))),
         keep_(outlines_.size(), true),
         rejected_(rejected) {}
@@ -284,7 +296,7 @@ class PathSelection {
     for (const int i : members) {
       const Outline& o = outlines_[static_cast<std::size_t>(i)];
       const LimbAgreement& limb = limbs_[static_cast<std::size_t>(i)];
-      discs.push_back({o.centre, o.diameter, limb.limb, limb.is_certain_ball()});
+      discs.push_back({o.centre, o.diameter, limb.limb, odds_[static_cast<std::size_t>(i)]});
     }
     for (const Ghost& ghost : find_ghosts(discs)) {
       const int index = members[static_cast<std::size_t>(ghost.index)];
@@ -306,14 +318,12 @@ class PathSelection {
            fmt::format("{:.1f} px from a better image: nearer than the ball's steps allow", c.distance_px));
   }
 
-  void reject_imprecise_contacts() {
+  /// Near the surface arcs of several balls look like a ball in contact, and no leg leads to it.
+  void reject_doubtful_contacts() {
     for (const int i : path_.contact) {
       const auto at = static_cast<std::size_t>(i);
-      const double sd = points_[at].sd_px;
-      if (sd <= std::max(kMinMaxSd_px, kMaxContactSdOfDiameter * outlines_[at].diameter)) continue;
-      if (limbs_[at].is_certain_ball()) continue;
-      drop(i, Reason::imprecise,
-           fmt::format("arcs near the surface that fix a centre to {:.1f} px only", sd));
+      outlines_[at].probability = probability(odds_[at]);
+      if (odds_[at] < 0.0) drop(i, Reason::few_edges, "arcs near the surface, rather than a ball in contact");
     }
   }
 
@@ -333,6 +343,7 @@ class PathSelection {
 
   std::vector<Outline> outlines_;
   std::vector<LimbAgreement> limbs_;
+  std::vector<double> odds_;
   std::vector<PathPoint> points_;
   Path path_;
   std::vector<bool> keep_;
@@ -347,19 +358,19 @@ std::vector<Outline> select_by_size(const Photograph& photograph, const PlaneMap
   if (outlines.empty()) return outlines;
   const auto limbs = compare_limbs(photograph, map, outlines, surface);
   const SizeModel size = fit_size_model(certain_balls(outlines, limbs));
+  const std::vector<double> odds = log_odds_of(outlines, limbs, size);
   std::vector<Outline> selected;
   for (std::size_t i = 0; i < outlines.size(); ++i) {
     Outline& o = outlines[i];
-    const double sd = o.centre_sd();
-    if (sd > std::max(kMinMaxSd_px, kMaxSdOfDiameter * o.diameter) &&
-        (limbs[i].is_certain_non_ball() || o.visible_fraction < min_visible(limbs[i])))
-      reject(rejected, o, Reason::imprecise, fmt::format("its centre would be known to {:.1f} px only", sd));
-    else if (has_wrong_size(o, size) && !limbs[i].is_certain_ball())
+    const double path = log_odds_of_path(o, photograph, map);
+    if (probability(odds[i] + path) >= kMinProbability)
+      selected.push_back(std::move(o));
+    else if (probability(limbs[i].log_odds + path) >= kMinProbability)
       reject(
           rejected, o, Reason::wrong_size,
           fmt::format("{:.1f} px, where the ball's images agree on {:.1f}", o.diameter, size.at(o.centre.x)));
     else
-      selected.push_back(std::move(o));
+      reject(rejected, o, Reason::few_edges, little_seen(o, limbs[i]));
   }
   return selected;
 }
@@ -367,33 +378,30 @@ std::vector<Outline> select_by_size(const Photograph& photograph, const PlaneMap
 std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap& map,
                                     std::vector<Outline> outlines, const std::optional<SurfaceLine>& surface,
                                     const FlightFacts& facts, std::vector<Unmeasured>& rejected) {
+  if (outlines.empty()) return outlines;
   const auto limbs = compare_limbs(photograph, map, outlines, surface);
+  const std::vector<double> odds =
+      log_odds_of(outlines, limbs, fit_size_model(certain_balls(outlines, limbs)));
   std::vector<Outline> balls;
   std::vector<LimbAgreement> their_limbs;
+  std::vector<double> their_odds;
   for (std::size_t i = 0; i < outlines.size(); ++i) {
-    if (limbs[i].is_certain_non_ball()) {
-      reject(rejected, outlines[i], Reason::few_edges,
-             fmt::format("light rises by {:.0f} % only of what it does across the others' outlines",
-                         100.0 * limbs[i].agreement));
-      continue;
-    }
-    if (!limbs[i].is_certain_ball() && outlines[i].visible_fraction < min_visible(limbs[i])) {
-      reject(rejected, outlines[i], Reason::few_edges,
-             fmt::format(
-                 "its outline is clear over {:.0f} of 360 degrees only, and light rises by {:.0f} % of what "
-                 "it does across the others' outlines",
-                 360.0 * outlines[i].visible_fraction, 100.0 * limbs[i].agreement));
+    outlines[i].probability = probability(odds[i] + log_odds_of_path(outlines[i], photograph, map));
+    if (outlines[i].probability < kMinProbability) {
+      reject(rejected, outlines[i], Reason::few_edges, little_seen(outlines[i], limbs[i]));
       continue;
     }
     their_limbs.push_back(limbs[i]);
+    their_odds.push_back(odds[i]);
     balls.push_back(std::move(outlines[i]));
   }
   if (balls.empty()) return balls;
-  PathSelection selection(std::move(balls), std::move(their_limbs), surface, facts, rejected);
+  PathSelection selection(std::move(balls), std::move(their_limbs), std::move(their_odds), surface, facts,
+                          rejected);
   selection.reject_off_path();
   selection.reject_ghosts();
   selection.reject_too_close(facts.times_s());
-  selection.reject_imprecise_contacts();
+  selection.reject_doubtful_contacts();
   return selection.selected();
 }
 

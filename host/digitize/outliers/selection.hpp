@@ -33,8 +33,8 @@ struct SizeModel {
 /// Median diameter, with the median slope from 5 outlines on (Theil 1950, Sen 1968). At least one outline.
 SizeModel fit_size_model(std::span<const Outline> outlines);
 
-/// Whether the outline's diameter is not the ball's.
-bool has_wrong_size(const Outline& outline, const SizeModel& size);
+/// Of the outline's diameter from the ball's, over the largest that texture, light and the sds explain.
+double size_difference(const Outline& outline, const SizeModel& size);
 
 // Images of a leg that are too close to each other: the ball is at one place at a time and flies as steadily
 // as the lamps flash. Deterministic; thread-safe; allocates.
@@ -59,7 +59,7 @@ struct LitDisc {
   cv::Point2d centre;
   double diameter = 0.0;
   Limb limb{};
-  bool certain = false;  ///< its limb is a ball's
+  double log_odds = 0.0;  ///< log(p / (1 - p)) that this is a ball's outline
 };
 
 struct Ghost {

@@ -283,7 +283,7 @@ class OutlineFitter {
     const double degrees = 360.0 * fitted.visible_fraction;
     const double sd =
         std::sqrt(std::max(fitted.covariance(0, 0), fitted.covariance(1, 1))) / work.frame->scale();
-    if (fitted.visible_fraction < 0.15) {
+    if (fitted.visible_fraction < 0.1) {
       const Reason reason = fitted.outside_fraction > 0.4     ? Reason::at_border
                             : fitted.saturated_fraction > 0.4 ? Reason::saturated
                                                               : Reason::few_edges;

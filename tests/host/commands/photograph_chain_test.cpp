@@ -170,10 +170,12 @@ TEST(PhotographChain, TakesTheSurfaceLineFromAPerson) {
   CHECK_TEXT(longer_ms > 0.1 && longer_ms < 0.4, fmt::format("{}", longer_ms).c_str());
 }
 
-TEST(PhotographChain, SaysWhyAPlaceIsNoBall) {
+TEST(PhotographChain, SaysWhyAPlaceIsNoBallAndHowSureOthersAre) {
   photograph(folder, "a", "photo_blobs", 1);
   const Run found = run_program("strobe", digitize({shot("a"), "--effort", "fast", "--explain"}));
   const json frame = parse_json_lines(found.out).at(0);
+  CHECK_EQUAL(frame.at("images").size(), frame.at("probabilities").size());
+  for (const json& each : frame.at("probabilities")) CHECK_TRUE(each > 0.0 && each <= 1.0);
   CHECK(!frame.at("unmeasured").empty());
   for (const json& each : frame.at("unmeasured")) {
     CHECK(!each.at("reason").get<std::string>().empty());

@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "host/digitize/outliers/ball_odds.hpp"
 #include "host/digitize/outliers/limb_agreement.hpp"
 #include "host/digitize/outliers/selection.hpp"
 #include "tests/host/digitize/painter.hpp"
@@ -77,19 +78,19 @@ TEST(BallSize, ThatDiffersFromBallToBallHasASpreadBesideTheOutlinesOwnSd) {
   for (std::size_t k = 0; k < more.size(); ++k) bent[k].diameter += more[k];
   const SizeModel size = fit_size_model(bent);
   DOUBLES_EQUAL(1.4826 * 8.0, size.spread, 0.01);
-  for (const Outline& outline : bent) CHECK_FALSE(has_wrong_size(outline, size));
+  for (const Outline& outline : bent) CHECK_TRUE(size_difference(outline, size) < 1.0);
 }
 
 TEST(BallSize, IsWrongBeyondThreePerCentOrFiveSd) {
   SizeModel size{260.0, 0.0, 0.3};
-  CHECK_FALSE(has_wrong_size(ball_at(0.0, 260.0 * 1.029), size));
-  CHECK_TRUE(has_wrong_size(ball_at(0.0, 260.0 * 1.031), size));
-  CHECK_TRUE(has_wrong_size(ball_at(0.0, 260.0 * 0.969), size));
+  CHECK_TRUE(size_difference(ball_at(0.0, 260.0 * 1.029), size) < 1.0);
+  CHECK_TRUE(size_difference(ball_at(0.0, 260.0 * 1.031), size) > 1.0);
+  CHECK_TRUE(size_difference(ball_at(0.0, 260.0 * 0.969), size) > 1.0);
   // sd 4 of the outline and 3 of the size: together 5, so that 25 px are allowed.
   size.sd = 3.0;
-  CHECK_FALSE(has_wrong_size(ball_at(0.0, 260.0 + 24.5, 4.0), size));
-  CHECK_TRUE(has_wrong_size(ball_at(0.0, 260.0 + 25.5, 4.0), size));
-  CHECK_TRUE(has_wrong_size(ball_at(0.0, 260.0 - 25.5, 4.0), size));
+  CHECK_TRUE(size_difference(ball_at(0.0, 260.0 + 24.5, 4.0), size) < 1.0);
+  CHECK_TRUE(size_difference(ball_at(0.0, 260.0 + 25.5, 4.0), size) > 1.0);
+  CHECK_TRUE(size_difference(ball_at(0.0, 260.0 - 25.5, 4.0), size) > 1.0);
 }
 
 namespace {
@@ -165,8 +166,8 @@ namespace {
 constexpr double kBall_px = 100.0;
 
 /// Its limb is lit from one side, `light` at the most.
-LitDisc disc_at(double x, double light, bool certain = true) {
-  LitDisc disc{{x, 0.3 * x}, kBall_px, {}, certain};
+LitDisc disc_at(double x, double light, double log_odds = 5.0) {
+  LitDisc disc{{x, 0.3 * x}, kBall_px, {}, log_odds};
   for (std::size_t k = 0; k < disc.limb.size(); ++k)
     disc.limb[k] = static_cast<float>(light * (k < disc.limb.size() / 2 ? 1.0 : 0.4));
   return disc;
@@ -202,14 +203,19 @@ TEST(Ghosts, AreNotTheBallsThatNoiseAndAnotherHide) {
 }
 
 TEST(Ghosts, OnABallMayBeBrighterThanOnesApart) {
-  // Two flashes light a ball at one place alike within 30 %.
-  CHECK_TRUE(ghosts_of({disc_at(0, 0.3), disc_at(20, 0.18)}) == std::vector<int>{1});
-  CHECK_TRUE(ghosts_of({disc_at(0, 0.3), disc_at(20, 0.24)}).empty());
-  CHECK_TRUE(ghosts_of({disc_at(0, 0.3), disc_at(120, 0.18)}).empty());
+  // Two flashes light a ball at one place alike within 30 %, and further on the light falls off.
+  CHECK_TRUE(ghosts_of({disc_at(0, 0.3), disc_at(20, 0.12)}) == std::vector<int>{1});
+  CHECK_TRUE(ghosts_of({disc_at(0, 0.3), disc_at(20, 0.21)}).empty());
+  CHECK_TRUE(ghosts_of({disc_at(0, 0.3), disc_at(120, 0.12)}).empty());
+}
+
+TEST(Ghosts, AreToldFarFromTheNextBallWhereTheyHardlyLookLikeOne) {
+  CHECK_TRUE(ghosts_of({disc_at(0, 0.3), disc_at(600, 0.03, 0.0)}) == std::vector<int>{1});
+  CHECK_TRUE(ghosts_of({disc_at(0, 0.3), disc_at(600, 0.2, 0.0)}).empty());
 }
 
 TEST(Ghosts, AreComparedInTheDirectionsThatBothShow) {
-  // Of the ball only the bright half can be seen, of the disc only the dim one and a little of the bright one.
+  // Of the ball only the bright half can be seen, of the disc the dim one and a little of the bright one.
   LitDisc ball = disc_at(0, 0.3), disc = disc_at(60, 0.3);
   const float none = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t k = 36; k < 72; ++k) ball.limb[k] = none;
@@ -221,8 +227,47 @@ TEST(Ghosts, AreComparedInTheDirectionsThatBothShow) {
 }
 
 TEST(Ghosts, AreNotToldBySomethingBrightThatIsNoBall) {
-  CHECK_TRUE(ghosts_of({disc_at(0, 0.9, false), disc_at(90, 0.3)}).empty());
+  CHECK_TRUE(ghosts_of({disc_at(0, 0.9, -2.0), disc_at(90, 0.3)}).empty());
   CHECK_TRUE(ghosts_of({}).empty());
+}
+
+// What is known of an outline adds up.
+TEST_GROUP(BallOdds){};
+
+TEST(BallOdds, AreThoseOfThePicturesOtherOutlines) {
+  // Outlines that are certainly balls' or certainly none count for what they are, beside one of either.
+  std::vector<double> odds(8, 20.0);
+  odds.resize(10, -20.0);
+  DOUBLES_EQUAL(std::log(9.0 / 3.0), log_prior(odds), 1e-6);
+  odds.assign(8, -20.0);
+  odds.push_back(20.0);
+  DOUBLES_EQUAL(std::log(2.0 / 9.0), log_prior(odds), 1e-6);
+  DOUBLES_EQUAL(0.0, log_prior({}), 0.0);
+  DOUBLES_EQUAL(0.0, log_prior(std::vector{0.0, 0.0}), 1e-12);
+}
+
+TEST(BallOdds, FallSteadilyWithTheDifferenceInSize) {
+  const SizeModel size{260.0, 0.0, 0.3};
+  const std::vector<LimbAgreement> limbs(2);
+  const auto odds = [&](double diameter) {
+    return log_odds_of(std::vector{ball_at(0.0, 260.0), ball_at(0.0, diameter)}, limbs, size)[1];
+  };
+  // Differences up to 3 % say nothing, from 6 % on an outline is one of another size.
+  DOUBLES_EQUAL(odds(260.0), odds(260.0 * 1.029), 1e-12);
+  CHECK_TRUE(odds(260.0 * 1.04) < odds(260.0 * 1.03));
+  CHECK_TRUE(odds(260.0 * 1.05) < odds(260.0 * 1.04));
+  DOUBLES_EQUAL(odds(260.0 * 1.061), odds(260.0 * 1.11), 1e-12);
+}
+
+TEST(BallOdds, RiseOnALegTheMoreTheBetterTheCentreIsKnown) {
+  Photograph photograph;
+  photograph.intensity = cv::Mat::zeros(1000, 1500, CV_32FC1);
+  const auto on_leg = [&](double sd) {
+    return log_odds_of_path(ball_at(700.0, 100.0, sd), photograph, PlaneMap::uncalibrated(1000));
+  };
+  CHECK_TRUE(on_leg(0.2) > on_leg(1.0));
+  CHECK_TRUE(on_leg(1.0) > on_leg(4.0));
+  CHECK_TRUE(on_leg(4.0) > 0.0);
 }
 
 // Outlines distinguished from arcs that only look like one, by the light across them.
@@ -280,9 +325,41 @@ TEST(LimbAgreement, KnowsABallsLimbWhereFalseOutlinesOutnumberTheBalls) {
     outlines.back().visible_fraction = 0.25;
   }
   const auto limbs = looked_at(painting, outlines);
-  for (std::size_t i = 0; i < painting.balls.size(); ++i) CHECK_TRUE(limbs[i].is_certain_ball());
+  for (std::size_t i = 0; i < painting.balls.size(); ++i) CHECK_TRUE(limbs[i].log_odds > kCertainOdds);
   for (std::size_t i = painting.balls.size(); i < limbs.size(); ++i)
-    CHECK_TRUE(limbs[i].is_certain_non_ball());
+    CHECK_TRUE(limbs[i].log_odds < -kCertainOdds);
+}
+
+TEST(LimbAgreement, KnowsABallsLimbWhereGhostsOutnumberTheBalls) {
+  // Ghosts of an eighth of the balls' light, in a row of their own.
+  auto painting = row_of_balls(5, 3, 0.3);
+  std::vector<Outline> outlines;
+  for (std::size_t k = 0; k < 8; ++k) {
+    auto ghost = painting.balls.front();
+    ghost.light /= 8.0;
+    ghost.centre = {60.0 + 55.0 * static_cast<double>(k), 60.0};
+    painting.balls.push_back(ghost);
+  }
+  for (const auto& disc : painting.balls) {
+    outlines.push_back(outline_at(disc.centre));
+    outlines.back().visible_fraction = 0.6;
+  }
+  const auto limbs = looked_at(painting, outlines);
+  for (std::size_t i = 0; i < limbs.size(); ++i)
+    CHECK_TRUE(i < 3 ? limbs[i].log_odds > 0.0 : limbs[i].log_odds < 0.0);
+}
+
+TEST(LimbAgreement, IsABallsTheLikelierTheMoreOfItsOutlineIsSeen) {
+  const auto painting = row_of_balls(5, 4, 0.12);
+  std::vector<Outline> outlines;
+  for (const auto& ball : painting.balls) outlines.push_back(outline_at(ball.centre));
+  double before = -1e9;
+  for (const double seen : {0.2, 0.5, 0.9}) {
+    outlines.front().visible_fraction = seen;
+    const double now = looked_at(painting, outlines).front().log_odds;
+    CHECK_TRUE(now > before);
+    before = now;
+  }
 }
 
 // A single ball in a lit room, beside furniture: arcs of the bright edges below it are more.
@@ -298,7 +375,7 @@ TEST(LimbAgreement, KnowsTheOnlyWholeBallAmongArcsOfBrighterThings) {
   }
   outlines.front() = outline_at(painting.balls.front().centre);
   outlines.front().visible_fraction = 0.8;
-  CHECK_TRUE(looked_at(painting, outlines).front().is_certain_ball());
+  CHECK_TRUE(looked_at(painting, outlines).front().log_odds > kCertainOdds);
 }
 
 TEST(LimbAgreement, TellsBallsFromACircleHalfWayBetweenTwo) {

@@ -1,0 +1,52 @@
+#include "host/digitize/outliers/ball_odds.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "host/digitize/path/leg_line.hpp"
+
+namespace strobe::digitize {
+
+double probability(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
+
+double log_prior(std::span<const double> log_odds) {
+  constexpr int kSteps = 10;
+  double prior = 0.0;
+  for (int step = 0; step < kSteps; ++step) {
+    double balls = 1.0, none = 1.0;
+    for (const double one : log_odds) {
+      balls += probability(one + prior);
+      none += 1.0 - probability(one + prior);
+    }
+    prior = std::log(balls / none);
+  }
+  return prior;
+}
+
+std::vector<double> log_odds_of(std::span<const Outline> outlines, std::span<const LimbAgreement> limbs,
+                                const SizeModel& size) {
+  // The path comes nearer, and what lies under a limb moves it: one ball in twenty is not of the others'
+  // size.
+  constexpr double kWrongSizeOdds = -3.0;
+  assert(outlines.size() == limbs.size());
+  std::vector<double> odds;
+  for (std::size_t i = 0; i < outlines.size(); ++i)
+    odds.push_back(limbs[i].log_odds +
+                   kWrongSizeOdds * std::clamp(size_difference(outlines[i], size) - 1.0, 0.0, 1.0));
+  const double prior = log_prior(odds);
+  for (double& one : odds) one += prior;
+  return odds;
+}
+
+double log_odds_of_path(const Outline& outline, const Photograph& photograph, const PlaneMap& map) {
+  // Of what is no ball's one in ten is made of the arcs of two that are, between which the leg passes; any
+  // other is near the leg by chance.
+  constexpr double kBetweenBalls = 0.1;
+  const cv::Point2d middle(0.5 * photograph.width(), 0.5 * photograph.height());
+  const double view = std::min(photograph.width(), photograph.height()) / map.image_px_per_plane_px(middle);
+  const double near = leg_tolerance({.at = outline.centre, .sd_px = outline.centre_sd()}, outline.diameter);
+  return -std::log(kBetweenBalls + 2.0 * near / view);
+}
+
+}  // namespace strobe::digitize

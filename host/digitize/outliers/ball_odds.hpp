@@ -1,0 +1,30 @@
+// That an outline is one of the ball's images: what limb, size, the other outlines of the picture and the
+// path say adds up, as logarithms of odds, log(p / (1 - p)). Learnt on rendered photographs; of those that
+// were told with a probability p as many were balls. Deterministic; thread-safe; allocates.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "host/digitize/core/plane_map.hpp"
+#include "host/digitize/core/types.hpp"
+#include "host/digitize/image/photograph.hpp"
+#include "host/digitize/outliers/limb_agreement.hpp"
+#include "host/digitize/outliers/selection.hpp"
+
+namespace strobe::digitize {
+
+double probability(double log_odds);
+
+/// How many of a picture's outlines are balls' differs from picture to picture: log odds of any of them, from
+/// what each one's own say (expectation maximization from one ball and one other thing beside them).
+double log_prior(std::span<const double> log_odds);
+
+/// By limb and size, with the prior; one for each outline, in their order.
+std::vector<double> log_odds_of(std::span<const Outline> outlines, std::span<const LimbAgreement> limbs,
+                                const SizeModel& size);
+
+/// What it adds that an outline lies on a leg.
+double log_odds_of_path(const Outline& outline, const Photograph& photograph, const PlaneMap& map);
+
+}  // namespace strobe::digitize
