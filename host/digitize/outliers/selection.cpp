@@ -362,10 +362,9 @@ std::vector<Outline> select_by_size(const Photograph& photograph, const PlaneMap
   std::vector<Outline> selected;
   for (std::size_t i = 0; i < outlines.size(); ++i) {
     Outline& o = outlines[i];
-    const double path = log_odds_of_path(o, photograph, map);
-    if (probability(odds[i] + path) >= kMinProbability)
+    if (probability(odds[i] + log_odds_of_path(o, photograph, map)) >= kMinProbability)
       selected.push_back(std::move(o));
-    else if (probability(limbs[i].log_odds + path) >= kMinProbability)
+    else if (size_difference(o, size) > 1.0)
       reject(
           rejected, o, Reason::wrong_size,
           fmt::format("{:.1f} px, where the ball's images agree on {:.1f}", o.diameter, size.at(o.centre.x)));
