@@ -155,7 +155,6 @@ class Editor {
   static void replace_fit(Outline& outline, const BallImage& image) {
     outline.visible_arcs.clear();
     outline.visible_fraction = 0.0;
-    outline.probability = 1.0;
     const auto& c = *image.centre_cov_px2;
     const double d = image.diameter_sd_px.value_or(0.0);
     outline.covariance = cv::Matx33d(c[0], c[1], 0.0, c[2], c[3], 0.0, 0.0, 0.0, d * d);
@@ -168,6 +167,7 @@ class Editor {
     if (m.diameter_px)
       set_diameter(image, outline, plane_diameter(image.centre_px, m), hand_diameter_sd_px(m.diameter_sd_px));
     if ((m.centre || m.diameter_px) && image.centre_cov_px2) replace_fit(outline, image);
+    outline.probability = 1.0;  // a person looked at it
     set_rest(image, m);
   }
 

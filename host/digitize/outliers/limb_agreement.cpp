@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 #include <opencv2/core/utility.hpp>
+#include <utility>
+#include <vector>
 
 #include "host/digitize/core/statistics.hpp"
 
@@ -90,31 +92,15 @@ double weight_for_typical(const Limb& limb) {
   return observed * (std::max(0.0F, all_around) + kByArc * std::max(0.0F, arc));
 }
 
-struct Weighted {
-  float value = 0.0F;
-  double weight = 0.0;
-};
-
-/// The least value that half of the weight does not exceed; not-a-number without weight.
-float weighted_median(std::vector<Weighted> values) {
-  std::ranges::sort(values, {}, &Weighted::value);
-  double left = 0.0;
-  for (const Weighted& one : values) left += 0.5 * one.weight;
-  if (!(left > 0.0)) return kNone;
-  for (const Weighted& one : values)
-    if ((left -= one.weight) <= 0.0) return one.value;
-  return values.back().value;
-}
-
 Limb typical_limb(const std::vector<Limb>& limbs) {
   std::vector<double> weights;
   for (const Limb& limb : limbs) weights.push_back(weight_for_typical(limb));
   Limb typical{};
   for (std::size_t k = 0; k < kDirections; ++k) {
-    std::vector<Weighted> rises;
+    std::vector<std::pair<double, double>> rises;
     for (std::size_t i = 0; i < limbs.size(); ++i)
-      if (!std::isnan(limbs[i][k])) rises.push_back({limbs[i][k], weights[i]});
-    typical[k] = weighted_median(std::move(rises));
+      if (weights[i] > 0.0 && !std::isnan(limbs[i][k])) rises.emplace_back(limbs[i][k], weights[i]);
+    typical[k] = rises.empty() ? kNone : static_cast<float>(weighted_median(std::move(rises)));
   }
   return typical;
 }

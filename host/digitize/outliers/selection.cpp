@@ -246,11 +246,18 @@ std::vector<Outline> certain_balls(const std::vector<Outline>& outlines,
   return certain.size() < kMinCertainBalls ? outlines : certain;
 }
 
-std::string little_seen(const Outline& o, const LimbAgreement& limb) {
-  return fmt::format(
-      "its outline is clear over {:.0f} of 360 degrees only, and light rises by {:.0f} % of what it does "
-      "across the others' outlines",
-      360.0 * o.visible_fraction, 100.0 * limb.agreement);
+void reject_unlikely(std::vector<Unmeasured>& rejected, const Outline& o, const LimbAgreement& limb,
+                     const SizeModel& size) {
+  if (size_difference(o, size) > 1.0)
+    reject(
+        rejected, o, Reason::wrong_size,
+        fmt::format("{:.1f} px, where the ball's images agree on {:.1f}", o.diameter, size.at(o.centre.x)));
+  else
+    reject(rejected, o, Reason::few_edges,
+           fmt::format(
+               "its outline is clear over {:.0f} of 360 degrees only, and light rises by {:.0f} % of what it "
+               "does across the others' outlines",
+               360.0 * o.visible_fraction, 100.0 * limb.agreement));
 }
 
 std::vector<PathPoint> weighted_points(const std::vector<Outline>& outlines, const std::vector<double>& odds,
@@ -270,7 +277,8 @@ class PathSelection {
         limbs_(std::move(limbs)),
         odds_(std::move(odds)),
         points_(weighted_points(outlines_, odds_, surface)),
-        path_(find_path(points_, path_context(outlines_, surface, facts))),
+        context_(path_context(outlines_, surface, facts)),
+        path_(find_path(points_, context_)),
         keep_(outlines_.size(), true),
         rejected_(rejected) {}
 
@@ -285,6 +293,15 @@ class PathSelection {
         drop(outlier.index, Reason::off_path,
              std::isfinite(outlier.off_px) ? fmt::format("{:.1f} px off the ball's path", outlier.off_px)
                                            : std::string("no path leads to it"));
+    }
+  }
+
+  /// One image is no path, and a line leads through any two.
+  void take_back_odds_of_short_legs() {
+    for (const auto& leg : path_.legs) {
+      if (leg.size() > 2) continue;
+      for (const int i : leg)
+        outlines_[static_cast<std::size_t>(i)].probability = probability(odds_[static_cast<std::size_t>(i)]);
     }
   }
 
@@ -318,12 +335,15 @@ class PathSelection {
            fmt::format("{:.1f} px from a better image: nearer than the ball's steps allow", c.distance_px));
   }
 
-  /// Near the surface arcs of several balls look like a ball in contact, and no leg leads to it.
+  /// Near the surface arcs of several balls look like a ball in contact, to which no leg leads unless it is
+  /// there only as the surface is hardly known.
   void reject_doubtful_contacts() {
     for (const int i : path_.contact) {
       const auto at = static_cast<std::size_t>(i);
-      outlines_[at].probability = probability(odds_[at]);
-      if (odds_[at] < 0.0) drop(i, Reason::few_edges, "arcs near the surface, rather than a ball in contact");
+      const bool led_to = !touches(points_[at].at.y, points_[at].sd_px, context_);
+      if (!led_to) outlines_[at].probability = probability(odds_[at]);
+      if (outlines_[at].probability < 0.5)
+        drop(i, Reason::few_edges, "arcs near the surface, rather than a ball in contact");
     }
   }
 
@@ -345,6 +365,7 @@ class PathSelection {
   std::vector<LimbAgreement> limbs_;
   std::vector<double> odds_;
   std::vector<PathPoint> points_;
+  PathContext context_;
   Path path_;
   std::vector<bool> keep_;
   std::vector<Unmeasured>& rejected_;
@@ -364,12 +385,8 @@ std::vector<Outline> select_by_size(const Photograph& photograph, const PlaneMap
     Outline& o = outlines[i];
     if (probability(odds[i] + log_odds_of_path(o, photograph, map)) >= kMinProbability)
       selected.push_back(std::move(o));
-    else if (size_difference(o, size) > 1.0)
-      reject(
-          rejected, o, Reason::wrong_size,
-          fmt::format("{:.1f} px, where the ball's images agree on {:.1f}", o.diameter, size.at(o.centre.x)));
     else
-      reject(rejected, o, Reason::few_edges, little_seen(o, limbs[i]));
+      reject_unlikely(rejected, o, limbs[i], size);
   }
   return selected;
 }
@@ -379,15 +396,15 @@ std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap
                                     const FlightFacts& facts, std::vector<Unmeasured>& rejected) {
   if (outlines.empty()) return outlines;
   const auto limbs = compare_limbs(photograph, map, outlines, surface);
-  const std::vector<double> odds =
-      log_odds_of(outlines, limbs, fit_size_model(certain_balls(outlines, limbs)));
+  const SizeModel size = fit_size_model(certain_balls(outlines, limbs));
+  const std::vector<double> odds = log_odds_of(outlines, limbs, size);
   std::vector<Outline> balls;
   std::vector<LimbAgreement> their_limbs;
   std::vector<double> their_odds;
   for (std::size_t i = 0; i < outlines.size(); ++i) {
     outlines[i].probability = probability(odds[i] + log_odds_of_path(outlines[i], photograph, map));
     if (outlines[i].probability < kMinProbability) {
-      reject(rejected, outlines[i], Reason::few_edges, little_seen(outlines[i], limbs[i]));
+      reject_unlikely(rejected, outlines[i], limbs[i], size);
       continue;
     }
     their_limbs.push_back(limbs[i]);
@@ -398,6 +415,7 @@ std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap
   PathSelection selection(std::move(balls), std::move(their_limbs), std::move(their_odds), surface, facts,
                           rejected);
   selection.reject_off_path();
+  selection.take_back_odds_of_short_legs();
   selection.reject_ghosts();
   selection.reject_too_close(facts.times_s());
   selection.reject_doubtful_contacts();

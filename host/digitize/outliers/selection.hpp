@@ -1,6 +1,5 @@
-// Which outlines are the ball's images: checks of precision, size, limb, path, ghosts and spacing. Each
-// outline that fails one is added to `rejected`. Deterministic for any number of threads; thread-safe;
-// allocates.
+// Which outlines are the ball's images: odds of limb, size and path, then path, ghosts and spacing. What is
+// left out is added to `rejected`. Deterministic for any number of threads; thread-safe; allocates.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -67,17 +66,17 @@ struct Ghost {
   double share = 0.0;  ///< of the rise across the limb of the ball that it was compared with
 };
 
-/// Of discs along one path, those much dimmer than the nearest certain ball within two diameters that is no
-/// ghost itself.
+/// Of discs along one path, those more likely ghosts than balls by their light beside that of the nearest
+/// certain ball that is no ghost itself.
 std::vector<Ghost> find_ghosts(std::span<const LitDisc> discs);
 
-/// Checks that need no path: precision, and the size that the outlines agree on. Neither counts for what
-/// is certainly a ball: a poor sd is a result, and real sizes vary as the path comes nearer.
+/// Leaves out what limb and size say is no ball, even should a path lead to it.
 std::vector<Outline> select_by_size(const Photograph& photograph, const PlaneMap& map,
                                     std::vector<Outline> outlines, const std::optional<SurfaceLine>& surface,
                                     std::vector<Unmeasured>& rejected);
 
-/// Checks of limb, path, ghosts, spacing, and of the precision of images in contact.
+/// Likewise, then what lies off the path, ghosts, what is nearer than steps allow, and doubtful contacts.
+/// Sets each outline's probability.
 std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap& map,
                                     std::vector<Outline> outlines, const std::optional<SurfaceLine>& surface,
                                     const FlightFacts& facts, std::vector<Unmeasured>& rejected);

@@ -36,8 +36,8 @@ std::vector<PathPoint> path_points(std::span<const Outline> outlines,
   std::vector<PathPoint> points;
   points.reserve(outlines.size());
   for (const Outline& o : outlines)
-    points.push_back({to_point(axes.from_image(to_eigen(o.centre))), o.centre_sd(),
-                      0.3 + 0.7 * std::clamp(o.visible_fraction, 0.0, 1.0)});
+    points.push_back(
+        {to_point(axes.from_image(to_eigen(o.centre))), o.centre_sd(), std::clamp(o.probability, 0.0, 1.0)});
   return points;
 }
 

@@ -165,6 +165,10 @@ double saturated_below_px(const Photograph& photograph, const PlaneMap& map, con
     double deep = 0.0;
     for (int below = kBlurred_px; below <= reach_px; ++below) {
       const cv::Point at(map.to_image({x, edge.at(x) - below}));
+      if (at.x >= 0 && at.x < view.width && !view.contains(at)) {
+        deep = reach_px;  // where it ends is not seen
+        break;
+      }
       if (!view.contains(at) || occluded.at(at.x, at.y)) {
         deep = -1.0;
         break;

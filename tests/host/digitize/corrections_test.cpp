@@ -66,6 +66,7 @@ Digitization digitized() {
     outline.diameter = kDiameter_px;
     outline.covariance = cv::Matx33d::eye() * 0.01;
     outline.visible_fraction = 1.0;
+    outline.probability = 0.75;
     made.outlines.push_back(outline);
   }
   return made;
@@ -198,6 +199,8 @@ TEST(Corrections, AMovedImageKeepsWhatIsNotOverruledAndIsMarked) {
 TEST(Corrections, ALineThatIsNoneIsTakenAway) {
   const Digitization made = corrected("[[move]]\n" + at(0) + "no_equator = true\n");
   CHECK(!made.frame.images[0].equator_rad.has_value());
+  DOUBLES_EQUAL(1.0, made.outlines[0].probability, 0.0);  // a person saw that it is a ball
+  DOUBLES_EQUAL(0.75, made.outlines[1].probability, 0.0);
   CHECK(!made.frame.images[0].equator_sd_rad.has_value());
   CHECK_EQUAL("hand", made.frame.images[0].source);
 }

@@ -146,6 +146,12 @@ TEST(SurfaceLine, OfASaturatedPlateSeenFromAboveIsAsUncertainAsItsNearEdgeIsHidd
     DOUBLES_EQUAL(far->sd_px, near->sd_px, 1e-9);
     DOUBLES_EQUAL(0.0, height_above(*far, {near->points.front().x, near->points.front().y}), 1e-9);
   };
+  // Of one that saturates down to the picture's lower border as much is hidden.
+  Photograph cut = photograph;
+  cut.intensity = photograph.intensity.rowRange(0, static_cast<int>(kFar) + 12).clone();
+  const auto beside_border = found(cut, seen_from(100.0, kFar));
+  CHECK_TRUE(beside_border.has_value());
+  CHECK(height_sd_px(*beside_border) > 4.0);
   sharp(photograph, 0.0);
   sharp(photograph, -100.0);
   sharp(stepped({kFar}), 100.0);
