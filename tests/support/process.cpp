@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -117,7 +118,7 @@ std::optional<Stat> stat_of(pid_t pid) {
 }
 
 int next_log_number() {
-  static int number = 0;
+  static std::atomic<int> number = 0;
   return ++number;
 }
 
