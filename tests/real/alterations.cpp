@@ -122,10 +122,12 @@ Altered with_colours_exchanged(const cv::Mat& pixels) {
   return altered;
 }
 
-bool is_within(const Circle& circle, cv::Size size) {
+/// How far a circle reaches over the border, 0 if it does not, in its diameters.
+double beyond_border(const Circle& circle, cv::Size size) {
   const double r = 0.5 * circle.d;
-  return circle.x - r >= -0.5 && circle.y - r >= -0.5 && circle.x + r <= size.width - 0.5 &&
-         circle.y + r <= size.height - 0.5;
+  return std::max({0.0, r - 0.5 - circle.x, r - 0.5 - circle.y, circle.x + r - size.width + 0.5,
+                   circle.y + r - size.height + 0.5}) /
+         circle.d;
 }
 
 }  // namespace
@@ -160,11 +162,13 @@ Photograph altered_truth(const Photograph& photograph, const Altered& altered, c
   Photograph truth = photograph;
   truth.px_per_m *= altered.scale;
   for (Ball& ball : truth.balls) {
-    const bool was_within = is_within(ball, before);
+    const double was_beyond = beyond_border(ball, before);
     const Point to = moved({ball.x, ball.y}, altered.move);
     ball.x = to.x, ball.y = to.y, ball.d *= altered.scale;
-    if (ball.kind == Kind::ball && was_within && !is_within(ball, altered.pixels.size()))
-      ball.kind = Kind::optional;
+    // What the border cuts already must be found unless a good part more of it is cut.
+    constexpr double kCut = 0.25;
+    const double cut = beyond_border(ball, altered.pixels.size()) - was_beyond;
+    if (ball.kind == Kind::ball && cut > (was_beyond > 0.0 ? kCut : 0.0)) ball.kind = Kind::optional;
   }
   for (Point& corner : truth.ghost_path) corner = moved(corner, altered.move);
   return truth;

@@ -123,4 +123,6 @@ TEST(RealAlterations, ABallThatIsCutIsAskedForNoMore) {
   CHECK(truth.balls[0].kind == Kind::ball);
   CHECK(truth.balls[1].kind == Kind::optional);
   CHECK(truth.balls[2].kind == Kind::ball);
+  p.balls[2] = {{10.0, 150.0, 22.0}, Kind::ball};  // half a px over the border, and 11 of 22 more
+  CHECK(altered_truth(p, alteration("cropped").make(before), before.size()).balls[2].kind == Kind::optional);
 }

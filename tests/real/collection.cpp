@@ -127,7 +127,8 @@ std::vector<Point> path_of(const Field& field) {
 std::string file_name_of(const Field& field) {
   const std::string name = field.text();
   const std::filesystem::path path(name);
-  if (name != Field::printable(name) || path.is_absolute() ||
+  const bool is_ascii = std::ranges::all_of(name, [](char c) { return c >= ' ' && c <= '~'; });
+  if (!is_ascii || path.is_absolute() ||
       std::find(path.begin(), path.end(), "..") != path.end())
     field.refuse("must be the name of a file in this folder");
   return name;

@@ -98,6 +98,10 @@ TEST(RealCollection, NamesPhotographAndFieldOfWhatIsWrong) {
               complaint("[" + kWhole.substr(1, kWhole.size() - 2) + "," + kWhole.substr(1)));
 }
 
+TEST(RealCollection, AFilesNameMayBeLong) {
+  CHECK_EQUAL("", complaint(with("/0/file", '"' + std::string(200, 'n') + ".png\"")));
+}
+
 TEST(RealCollection, OpensNoFileOutsideItsFolder) {
   for (const char* name :
        {"\"/etc/passwd\"", "\"../a.png\"", "\"b/../../a.png\"", "\"a\\u0000.png\"", "\"a\\n.png\""})

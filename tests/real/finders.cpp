@@ -25,16 +25,21 @@ std::string quoted(const std::string& word) {
   return result + "'";
 }
 
-std::string with_values(std::string command, const Question& question) {
+std::string with_values(const std::string& command, const Question& question) {
   const std::pair<std::string, std::string> values[] = {
       {"{file}", quoted(question.file.string())},
       {"{ball_diameter_m}", fmt::format("{}", question.ball_diameter_m)},
       {"{px_per_m}", fmt::format("{}", question.px_per_m)},
       {"{size_tolerance}", fmt::format("{}", question.tolerance_percent)}};
-  for (const auto& [name, value] : values)
-    for (std::size_t at = 0; (at = command.find(name, at)) != std::string::npos; at += value.size())
-      command.replace(at, name.size(), value);
-  return command;
+  std::string result;
+  for (std::size_t at = 0; at < command.size();) {
+    const auto value = std::ranges::find_if(
+        values, [&](const auto& each) { return command.compare(at, each.first.size(), each.first) == 0; });
+    const bool is_value = value != std::end(values);
+    result += is_value ? value->second : std::string(1, command[at]);
+    at += is_value ? value->first.size() : 1;
+  }
+  return result;
 }
 
 std::string last_line(std::string text) {

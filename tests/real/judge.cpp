@@ -32,14 +32,19 @@ void append(std::vector<T>& to, const std::vector<T>& more) {
   to.insert(to.end(), more.begin(), more.end());
 }
 
-const char* what_is(const Circle& image, const Photograph& photograph) {
-  const auto inside = [&](bool of_ghost) {
-    return std::any_of(photograph.balls.begin(), photograph.balls.end(), [&](const Ball& ball) {
-      return (ball.kind == Kind::ghost) == of_ghost && distance(ball, image) <= kInside * ball.d;
-    });
-  };
-  if (inside(false)) return "double";
-  return inside(true) || lies_on(image, photograph.ghost_path) ? "ghost" : "invented";
+/// Of an image of none. Nothing where it is all that was found of a ball that counts neither way.
+const char* what_is(const Circle& image, const Photograph& photograph,
+                    const std::vector<const Found*>& image_of) {
+  bool is_optional = false, is_ghost = false;
+  for (std::size_t i = 0; i < photograph.balls.size(); ++i) {
+    const Ball& ball = photograph.balls[i];
+    if (distance(ball, image) > kInside * ball.d) continue;
+    const bool counts = ball.kind != Kind::optional || image_of[i] != nullptr;
+    if (ball.kind != Kind::ghost && counts) return "double";
+    (ball.kind == Kind::ghost ? is_ghost : is_optional) = true;
+  }
+  if (is_optional) return nullptr;
+  return is_ghost || lies_on(image, photograph.ghost_path) ? "ghost" : "invented";
 }
 
 void add_stray(Score& score, const Circle& image, const std::string_view what) {
@@ -118,7 +123,8 @@ Score judged(const Photograph& photograph, const std::vector<Found>& found, doub
     score.size.push_back({score.diameter_px.back(), sds.d / per_px});
   }
   for (std::size_t j = 0; j < found.size(); ++j)
-    if (!is_matched[j]) add_stray(score, found[j], what_is(found[j], photograph));
+    if (const char* what = is_matched[j] ? nullptr : what_is(found[j], photograph, image_of))
+      add_stray(score, found[j], what);
   return score;
 }
 

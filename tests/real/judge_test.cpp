@@ -61,6 +61,7 @@ TEST(RealJudge, OptionalBallsCountNeitherWay) {
   check_counts(judged(photograph, {image(0, 0)}), 0, 0, 0, 0);
   LONGS_EQUAL(0, judged(photograph, {}).balls);
   check_counts(judged(photograph, {image(0, 0), image(5, 0)}), 0, 0, 0, 1);
+  check_counts(judged(photograph, {image(30, 0)}), 0, 0, 0, 0);  // badly measured, but all that there is of it
 }
 
 TEST(RealJudge, WhatLiesOnAGhostOrAlongAGhostPathIsAGhost) {

@@ -99,6 +99,15 @@ Result<NamedFinder> finder_named(const std::string& name, const std::vector<Phot
 }
 
 Result<void> write_leaderboard(const std::vector<Photograph>& photographs, const Options& options) {
+  std::string text;
+  if (!options.write.empty()) {
+    const auto read = config::read_file(options.write);
+    if (!read) return tl::unexpected(read.error());
+    text = *read;
+    // Before the work: it takes minutes.
+    if (const auto place = with_leaderboard(text, options.leaderboard, ""); !place)
+      return fail(options.write + ": " + place.error().message);
+  }
   std::string table = leaderboard_head();
   for (const char* name : {"strobe", "hough", "blob"}) {
     const auto finder = finder_named(name, photographs, options);
@@ -108,15 +117,9 @@ Result<void> write_leaderboard(const std::vector<Photograph>& photographs, const
     if (!outcomes) return tl::unexpected(outcomes.error());
     table += leaderboard_row(finder->name, *outcomes);
   }
-  if (options.write.empty()) {
-    fmt::print("{}", table);
-    return {};
-  }
-  const auto text = config::read_file(options.write);
-  if (!text) return tl::unexpected(text.error());
-  const auto changed = with_leaderboard(*text, options.leaderboard, table);
-  if (!changed) return fail(options.write + ": " + changed.error().message);
-  return config::write_file(options.write, *changed);
+  fmt::print("{}", table);
+  if (options.write.empty()) return {};
+  return config::write_file(options.write, *with_leaderboard(text, options.leaderboard, table));
 }
 
 void add_options(CLI::App& app, Options& o) {

@@ -17,7 +17,7 @@ struct Bounds {
   int ghosts = 1;
   int doubles = 0;
   double changed = 0.02;   ///< of the balls: found as they are and not altered, or the other way round
-  double centre_px = 1.2;  ///< rms from the annotation; about what a person's circles are good for
+  double centre_px = 1.2;  ///< rms from the annotation, which is good to about .9 px itself
   double diameter_px = 1.5;
   double beyond_3_sd = 0.01;  ///< of the errors in x, y and the diameter, where annotated twice
 };
