@@ -12,7 +12,8 @@ namespace strobe::firmware {
 /// Tells of the death of another process's thread, of whatever cause, before the kernel takes apart that
 /// process's memory (which may take milliseconds) and long before it lets go of its descriptors. In memory
 /// that both processes share. A robust mutex: a waiter is woken as one of the first things of the holder's
-/// end.
+/// end. A second one for whoever looks without waiting: a woken waiter has the first for a moment, as the
+/// living holder had it.
 class Lifeline {
  public:
   Lifeline();
@@ -20,18 +21,25 @@ class Lifeline {
   Lifeline& operator=(const Lifeline&) = delete;
 
   /// The calling thread is watched from now on: once, before anybody waits.
-  void hold() noexcept { pthread_mutex_lock(&mutex_); }
+  void hold() noexcept {
+    pthread_mutex_lock(&waited_for_);
+    pthread_mutex_lock(&looked_at_);
+  }
   /// By the holder, which ends in good order.
-  void let_go() noexcept { pthread_mutex_unlock(&mutex_); }
+  void let_go() noexcept {
+    pthread_mutex_unlock(&looked_at_);
+    pthread_mutex_unlock(&waited_for_);
+  }
   /// Waits for the holder's end. Returns true if it died, false if it let go. For one waiter, once.
   bool wait_for_death() noexcept;
-  /// Whether it has, without waiting: for another thread of the waiter's process. Real-time safe.
+  /// Whether it has, without waiting: for one other thread of the waiter's process. Real-time safe.
   bool holder_died() noexcept;
 
  private:
-  void take_over(int lock_result) noexcept;
+  void take_over(pthread_mutex_t& mutex, int lock_result) noexcept;
 
-  pthread_mutex_t mutex_;
+  pthread_mutex_t waited_for_;
+  pthread_mutex_t looked_at_;
   std::atomic<bool> died_{false};
 };
 
