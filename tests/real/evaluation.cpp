@@ -96,8 +96,9 @@ Result<std::vector<Outcome>> evaluated(const std::vector<Photograph>& photograph
   std::mutex mutex;
   std::atomic<std::size_t> next{0};
   std::size_t done = 0;
+  const auto is_stopped = [&asked] { return asked.stopped != nullptr && *asked.stopped; };
   const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) {
+    for (std::size_t i = next++; i < count && !is_stopped(); i = next++) {
       Result<std::vector<Outcome>> outcomes;
       try {
         outcomes =
@@ -120,6 +121,7 @@ Result<std::vector<Outcome>> evaluated(const std::vector<Photograph>& photograph
   for (int i = 1; i < asked.jobs; ++i) threads.emplace_back(work);
   work();
   for (std::thread& thread : threads) thread.join();
+  if (is_stopped()) return fail("stopped");
   if (error) return tl::unexpected(*error);
   std::vector<Outcome> all;
   for (auto& outcomes : each)
@@ -137,7 +139,8 @@ Score total(const std::vector<Outcome>& outcomes, const Alteration* alteration, 
 
 Result<NamedFinder> best_of(const std::vector<NamedFinder>& finders,
                             const std::vector<Photograph>& photographs, const Asked& asked) {
-  const Asked as_they_are{{&alterations().front()}, {1.0}, asked.tolerance_percent, asked.jobs};
+  const Asked as_they_are{
+      {&alterations().front()}, {1.0}, asked.tolerance_percent, asked.jobs, asked.stopped};
   const NamedFinder* best = nullptr;
   double most = -1.0;
   for (const NamedFinder& finder : finders) {

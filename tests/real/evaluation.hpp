@@ -1,6 +1,7 @@
 // A finder asked about every photograph, as it is and altered, told the right scale and wrong ones.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <string>
 #include <vector>
@@ -16,7 +17,8 @@ struct Asked {
   std::vector<const Alteration*> alterations;
   std::vector<double> told{1.0};  ///< scales told, over the right one
   double tolerance_percent = 12.0;
-  int jobs = 1;  ///< photographs at once
+  int jobs = 1;                                ///< photographs at once
+  const std::atomic<bool>* stopped = nullptr;  ///< set by somebody else: no more photographs, and it fails
 };
 
 struct Outcome {

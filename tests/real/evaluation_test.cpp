@@ -146,6 +146,27 @@ TEST(RealEvaluation, AFinderThatSeesAllKeepsAllInEachAlteration) {
   CHECK(breaches(*outcomes, {}).empty());
 }
 
+TEST(RealEvaluation, WhenStoppedItAsksNoMoreAndLeavesNoFileBehind) {
+  const TemporaryFolder folder;
+  const auto photographs = collection(folder);
+  std::atomic<bool> stopped = false;
+  std::filesystem::path altered;
+  int asked_times = 0;
+  const Finder finder = [&](const Question& question) -> Result<Answer> {
+    altered = question.file;
+    stopped = ++asked_times == 2;  // the first is asked about the file as it is
+    return Answer{};
+  };
+  Asked asked = all_alterations();
+  asked.jobs = 1;
+  asked.stopped = &stopped;
+  const auto outcomes = evaluated(photographs, finder, asked);
+  CHECK_FALSE(outcomes.has_value());
+  CHECK_EQUAL("stopped", outcomes.error().message);
+  LONGS_EQUAL(2, asked_times);
+  CHECK_FALSE(std::filesystem::exists(altered.parent_path()));
+}
+
 TEST(RealEvaluation, OpenCvsDetectorsSeeSharpDiscs) {
   const TemporaryFolder folder;
   const auto photographs = collection(folder);

@@ -3,7 +3,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <opencv2/core.hpp>
@@ -57,6 +59,13 @@ std::vector<const Alteration*> alterations_of(const Options& options) {
   return all;
 }
 
+std::atomic<bool> stopped = false;
+
+/// The altered photographs lie in a folder that a signal's default action would leave behind.
+void stop_in_good_order() {
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopped = true; });
+}
+
 /// At most one line every five seconds.
 void show_progress(std::size_t done, std::size_t count) {
   static auto shown = std::chrono::steady_clock::now();
@@ -75,7 +84,7 @@ Result<std::vector<Outcome>> measured(const std::vector<Photograph>& photographs
   std::vector<double> told{1.0};
   if (const double off = 0.01 * options.scale_off_percent; off > 0.0)
     told.insert(told.end(), {1.0 + off, 1.0 - off});
-  Asked asked{as_they_are, told, options.tolerance_percent, options.jobs};
+  Asked asked{as_they_are, told, options.tolerance_percent, options.jobs, &stopped};
   auto outcomes = evaluated(photographs, finder, asked, show_progress);
   if (!outcomes) return outcomes;
   asked.alterations = altered;
@@ -90,7 +99,7 @@ Result<NamedFinder> finder_named(const std::string& name, const std::vector<Phot
                                  const Options& options) {
   if (!options.program.empty() && name == "strobe")
     return NamedFinder{options.program, finder_of(options.program)};
-  const Asked asked{{}, {}, options.tolerance_percent, options.jobs};
+  const Asked asked{{}, {}, options.tolerance_percent, options.jobs, &stopped};
   if (name == "hough") return best_of(hough_finders(), photographs, asked);
   if (name == "blob") return best_of(blob_finders(), photographs, asked);
   const auto strobe = options.strobe.empty() ? external::find_own_program("strobe") : options.strobe;
@@ -192,6 +201,7 @@ int main(int argc, char** argv) {
   add_options(app, options);
   try {
     app.parse(argc, argv);
+    stop_in_good_order();
     return run(options);
   } catch (const CLI::Success& help) {
     return app.exit(help);
