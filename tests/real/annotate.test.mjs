@@ -1,7 +1,7 @@
 // The page that annotates, by mouse and keys, and that what it saves is what the scorer reads.
 import assert from 'node:assert/strict';
-import { execFileSync, spawnSync } from 'node:child_process';
-import { copyFileSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
+import { spawnSync } from 'node:child_process';
+import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -115,8 +115,9 @@ test('a ghost path, and the second annotation apart from the first', async () =>
   await tab.uncheck('#second');
 });
 
-test('the scorer reads what the page saves, and the page what it saved', async () => {
+test('the scorer reads what the page saves, and the page what it saved', async (t) => {
   const folder = mkdtempSync(join(tmpdir(), 'strobe-annotate-'));
+  t.after(() => rmSync(folder, { recursive: true }));
   const truth = await saved();
   writeFileSync(join(folder, 'truth.json'), JSON.stringify(truth));
   copyFileSync(picture, join(folder, 'independent.jpg'));
@@ -132,7 +133,6 @@ test('the scorer reads what the page saves, and the page what it saved', async (
   const refused = () => document.querySelector('#status').textContent.startsWith('truth.json: it is no list');
   await tab.waitForFunction(refused);
   assert.deepEqual(await saved(), truth);
-  execFileSync('rm', ['-r', folder]);
 });
 
 test('it is one file that asks for nothing, says what is missing, and is accessible', async () => {
