@@ -154,6 +154,23 @@ Advice background(const LightMeasures& m) {
   return advice;
 }
 
+/// What lenses and flashes themselves scatter around the ball is 1 to 2 % of a flash. A disc of a third of a
+/// flash's light can no longer be told from a ball that another hides.
+std::optional<Advice> ambient(const LightMeasures& m) {
+  if (!m.ambient) return std::nullopt;
+  constexpr Range kAmbient{-1.0, -1.0, 0.05, 0.33};
+  Advice advice{.what = "ambient",
+                .value = percent(*m.ambient),
+                .unit = "% of a flash",
+                .asked = "under 5 % of the flash",
+                .verdict = judge(*m.ambient, kAmbient)};
+  advice.words = fmt::format("ambient light is {:.0f} % of the flash", advice.value);
+  if (advice.verdict == Verdict::ok) return advice;
+  advice.words += ": it draws the ball between flashes, too";
+  advice.remedy = "darken the room, or flash more strongly and close the aperture";
+  return advice;
+}
+
 Advice black(const LightMeasures& m) {
   constexpr Range kBlack{-1.0, -1.0, 0.2, kNone};
   Advice advice{.what = "black",
@@ -248,8 +265,8 @@ std::string_view name(Verdict verdict) {
 std::vector<Advice> advise(const LightMeasures& m) {
   if (m.images == 0) return {no_ball(m)};
   std::vector<Advice> all{exposure(m), clipping(m), contrast(m), focus(m)};
-  for (auto&& told : {motion(m), std::optional(background(m)), std::optional(black(m)), proportion(m),
-                      lamps(m), std::optional(flashes(m))})
+  for (auto&& told : {motion(m), std::optional(background(m)), ambient(m), std::optional(black(m)),
+                      proportion(m), lamps(m), std::optional(flashes(m))})
     if (told) all.push_back(*told);
   return all;
 }

@@ -10,6 +10,7 @@
 
 #include "common/reduction/frame.hpp"
 #include "host/digitize/core/statistics.hpp"
+#include "host/light/ambient.hpp"
 #include "host/light/limb_sectors.hpp"
 
 namespace strobe::light {
@@ -21,13 +22,6 @@ using digitize::Photograph;
 using digitize::PlaneMap;
 using reduction::Leg;
 
-/// A circle on the photograph, image px.
-struct Disc {
-  cv::Point2d centre;
-  double radius = 0.0;
-  bool airborne = true;
-};
-
 std::vector<Disc> discs_of(const PlaneMap& map, const Digitization& found) {
   std::vector<Disc> discs;
   for (std::size_t i = 0; i < found.outlines.size(); ++i) {
@@ -37,6 +31,15 @@ std::vector<Disc> discs_of(const PlaneMap& map, const Digitization& found) {
     discs.push_back({centre, 0.5 * outline.diameter * map.image_px_per_plane_px(centre), !contact});
   }
   return discs;
+}
+
+/// Of each leg's images, one after the other.
+std::vector<Flight> flights_of(const Digitization& found) {
+  std::vector<Flight> flights;
+  const auto leg = [&](std::size_t i) { return found.frame.images[i].leg; };
+  for (std::size_t i = 1; i < found.outlines.size() && i < found.frame.images.size(); ++i)
+    if (leg(i) == leg(i - 1) && leg(i) != Leg::contact) flights.push_back({i - 1, i});
+  return flights;
 }
 
 /// The pixels of one ball that no other image covers.
@@ -298,6 +301,7 @@ LightMeasures measure_light(const Photograph& photograph, const PlaneMap& map, c
   const std::vector<LimbSector> sectors = limb_sectors(photograph, map, found.outlines);
   measure_limbs(photograph, sectors, measures);
   measure_balls(photograph, discs, measures);
+  measures.ambient = ambient_share(photograph, discs, flights_of(found));
   measures.noise = noise_beside(photograph, discs);
   measure_focus(found, measures);
   measure_smear(found, sectors, measures);

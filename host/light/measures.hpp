@@ -28,6 +28,9 @@ struct LightMeasures {
   /// Light across the right limbs of the balls and across the left ones, which the lamps light from aside;
   /// absent: too few of them are seen.
   std::optional<Sides> limbs;
+  /// The room's light on the ball on its way between two flashes, over one flash's; absent: too little of
+  /// its way is seen.
+  std::optional<double> ambient;
 
   double background = 0.0;   ///< light beside the balls, median
   double noise = 0.0;        ///< sd of a pixel there

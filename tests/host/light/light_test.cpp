@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/light/advice.hpp"
+#include "host/light/ambient.hpp"
 #include "sim/loading/load_scene.hpp"
 #include "sim/photograph/render.hpp"
 #include "sim/shoot/shoot.hpp"
@@ -23,8 +24,8 @@ using light::Verdict;
 
 constexpr double kSpeed_mps = 17.0, kPxPerM = 2000.0;
 
-cv::Mat rendered(const std::string& photograph, const std::string& tables) {
-  const auto scene = sim::parse_scene(
+sim::Scene scene_of(const std::string& photograph, const std::string& tables) {
+  auto scene = sim::parse_scene(
       "[machine]\nspeed_mps = 17\nangle_deg = -23\nspin_radps = 0\n"
       "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\n"
       "[camera]\npx_per_m = 2000\norigin_x_px = 750\norigin_y_px = 150\nhalf_width_m = 0.25\nheight_m = 0.2\n"
@@ -32,8 +33,18 @@ cv::Mat rendered(const std::string& photograph, const std::string& tables) {
           tables + "[photograph]\nbits = 16\nblur_px = 0.8\n" + photograph,
       "picture.toml");
   if (!scene) FAIL(scene.error().message.c_str());
-  const auto shot = sim::shoot(*scene, 11, 1);
-  return sim::render(*scene, 11, shot->exposure)->pixels;
+  return std::move(*scene);
+}
+
+cv::Mat rendered(const sim::Scene& scene, double period_s) {
+  sim::ShootSettings settings;
+  settings.period = from_seconds(period_s);
+  const auto shot = sim::shoot(scene, 11, 1, sim::Model::full(), settings);
+  return sim::render(scene, 11, shot->exposure)->pixels;
+}
+
+cv::Mat rendered(const std::string& photograph, const std::string& tables) {
+  return rendered(scene_of(photograph, tables), 3e-3);
 }
 
 digitize::Photograph photograph_of(const cv::Mat& pixels) {
@@ -130,6 +141,63 @@ TEST(Light, ALitRoomAndCutBlacksAreNamed) {
   cv::Mat cut = rendered("", "");
   cut -= cv::Scalar(0.02 * 65535.0);  // saturates at 0
   STRCMP_CONTAINS("black look at", said(measured(photograph_of(cut))).c_str());
+}
+
+TEST(Light, RoomLightThatDrawsTheBallBetweenFlashesIsNamed) {
+  // Flashes 6 ms apart leave the way free between images. The room's lamps flicker ten times as fast; on the
+  // band so many discs lie on each other as there are in the time in which the ball flies by its own width:
+  // 65 mm at 17 m/s, and at 12 to 14 m/s after the bounce.
+  constexpr double kApart_s = 6e-3, kFlicker_s = 0.6e-3, kBall_m = 0.065;
+  sim::Scene scene = scene_of("", "");
+  const double black = 65535.0 * scene.photograph.black_level;
+  const cv::Mat dark_room = rendered(scene, kApart_s);
+  const LightMeasures dark = measured(photograph_of(dark_room));
+  CHECK(dark.ambient.has_value());
+  CHECK(*dark.ambient < 0.02);
+  CHECK_EQUAL("", said(dark));
+  scene.lamps.recharge_s = 0.0;
+  for (const double share : {0.1, 0.2}) {
+    scene.photograph.exposure = share * kFlicker_s * kSpeed_mps / kBall_m;
+    const cv::Mat room = rendered(scene, kFlicker_s) - cv::Scalar(black);
+    const LightMeasures lit = measured(photograph_of(dark_room + room));
+    CHECK(lit.ambient.has_value());
+    CHECK(*lit.ambient > 0.8 * share && *lit.ambient < 1.2 * share * kSpeed_mps / 12.0);
+    CHECK_EQUAL("ambient look at", said(lit));
+  }
+}
+
+TEST(Light, AmbientLightIsOverBothSidesOfTheWay) {
+  // Discs of 1 above their background, 3 diameters apart, a band with the same profile between them.
+  constexpr float kBand = 0.2F;
+  constexpr int kRadius = 20;
+  std::vector<light::Disc> discs;
+  for (int i = 0; i < 4; ++i) discs.push_back({{60.0 + 120.0 * i, 100.0}, kRadius});
+  std::vector<light::Flight> flights{{0, 1}, {1, 2}, {2, 3}};
+  const auto share = [&](auto&& background) {
+    digitize::Photograph picture;
+    picture.intensity = cv::Mat(200, 480, CV_32F);
+    for (int row = 0; row < 200; ++row)
+      for (int column = 0; column < 480; ++column) {
+        const double s = (row - 100.0) / kRadius;
+        const double off = std::abs(column - 60.0 - 120.0 * std::round((column - 60.0) / 120.0));
+        float value = background(row, column);
+        if (std::hypot(off, row - 100.0) < kRadius) value += 1.0F;
+        if (std::abs(s) < 1.0) value += kBand * static_cast<float>(std::sqrt(1.0 - s * s));
+        picture.intensity.at<float>(row, column) = value;
+      }
+    return light::ambient_share(picture, discs, flights);
+  };
+  // The band lies under the images, too.
+  const double of_flash = kBand / (1.0 + kBand);
+  DOUBLES_EQUAL(of_flash, *share([](int, int) { return 0.1F; }), 0.1 * of_flash);
+  const auto brightens_along = [](int, int column) { return 0.001F * static_cast<float>(column); };
+  DOUBLES_EQUAL(of_flash, *share(brightens_along), 0.1 * of_flash);
+  // Along a wall's edge the band is not seen, along that of something bright nothing is told of it.
+  DOUBLES_EQUAL(0.0, *share([](int row, int) { return row < 100 ? 0.1F : 0.5F; }), 0.0);
+  CHECK_FALSE(share([](int row, int) { return row < 100 ? 0.1F : 0.9F; }).has_value());
+  // Two flights cannot outvote a third that holds a missed image.
+  flights.pop_back();
+  CHECK_FALSE(share([](int, int) { return 0.1F; }).has_value());
 }
 
 TEST(Light, AScreensCurveAndAJpegAreNamed) {

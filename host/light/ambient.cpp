@@ -1,0 +1,167 @@
+#include "host/light/ambient.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "host/digitize/core/statistics.hpp"
+
+namespace strobe::light {
+namespace {
+
+using digitize::Photograph;
+
+struct Mean {
+  double sum = 0.0, weight = 0.0;
+  void add(double value, double by = 1.0) { sum += by * value, weight += by; }
+  double value() const { return sum / weight; }
+};
+
+// Places across the path, in the ball's radii: where it is, but for the blurred limb, and beside it.
+constexpr double kBandEdge = 0.95, kSideFrom = 1.1, kSideTo = 1.6;
+
+/// Light of one image over what is beside it, of each line along its path: of its pixels there, in the share
+/// of a diameter that it covers. A ball that moves on under steady light draws a band of just that profile.
+class FlashProfile {
+ public:
+  void add(double across, double light) {
+    lines_[line(across)].add(light * std::sqrt(1.0 - across * across));
+  }
+  /// Over all its breadth it is known, and brighter than what is beside it.
+  bool bright() const {
+    return std::ranges::all_of(lines_, [](const Mean& mean) { return mean.weight > 0.0 && mean.sum > 0.0; });
+  }
+  double at(double across) const { return lines_[line(across)].value(); }
+
+ private:
+  static constexpr std::size_t kLines = 10;  // from the middle to the edge
+
+  static std::size_t line(double across) {
+    const double of_edge = std::abs(across) / kBandEdge;
+    return std::min(kLines - 1, static_cast<std::size_t>(of_edge * static_cast<double>(kLines)));
+  }
+  std::array<Mean, kLines> lines_;
+};
+
+/// Across the path, at one place of it.
+struct Section {
+  cv::Point2d middle, across;
+  double radius = 0.0;  ///< of the ball there
+  double step = 0.0;    ///< radii from sample to sample
+  cv::Point2d at(double s) const { return middle + s * radius * across; }
+};
+
+struct Beside {
+  double left = 0.0, right = 0.0;  ///< light
+  double mean() const { return 0.5 * (left + right); }
+  double brighter() const { return std::max(left, right); }
+  double apart() const { return std::abs(left - right); }
+};
+
+class Bands {
+ public:
+  Bands(const Photograph& photograph, std::span<const Disc> discs) : photograph_(photograph), discs_(discs) {}
+
+  void learn(const Disc& disc, cv::Point2d along) {
+    const double step_px = step_px_of(disc);
+    for (double t = -disc.radius; t <= disc.radius; t += step_px) {
+      const Section section{disc.centre + t * along, {-along.y, along.x}, disc.radius, step_px / disc.radius};
+      const auto sides = beside(section);
+      if (!sides) continue;
+      const double half = kBandEdge * std::sqrt(std::max(0.0, 1.0 - t * t / (disc.radius * disc.radius)));
+      for (double s = -half; s <= half; s += section.step)
+        if (const auto light = value(section.at(s), &disc)) flash_.add(s, *light - sides->mean());
+    }
+  }
+
+  bool knows_flash() const { return flash_.bright(); }
+
+  /// Of a flash's light, median along the way; absent where too little of it is seen.
+  std::optional<double> share_between(const Disc& from, const Disc& to) const {
+    constexpr std::size_t kMinSections = 3;
+    const cv::Point2d way = to.centre - from.centre;
+    const double length = cv::norm(way), step_px = step_px_of(from);
+    const cv::Point2d along = way / length, across(-along.y, along.x);
+    std::vector<double> shares;
+    for (double t = 0.0; t < length; t += step_px) {
+      const double radius = from.radius + (to.radius - from.radius) * t / length;
+      if (const auto share = share_of({from.centre + t * along, across, radius, step_px / radius}))
+        shares.push_back(*share);
+    }
+    if (shares.size() < kMinSections) return std::nullopt;
+    return digitize::median(std::move(shares));
+  }
+
+ private:
+  static double step_px_of(const Disc& disc) { return std::max(1.0, disc.radius / 20.0); }
+
+  /// The factor by which the flash's profile fits best.
+  std::optional<double> share_of(const Section& section) const {
+    constexpr double kMinSeen = 0.1;   // of the squares of the whole profile
+    constexpr double kMaxApart = 0.5;  // of a flash: a wall's edge between hides any band that is told of
+    const auto sides = beside(section);
+    if (!sides || sides->apart() > kMaxApart * flash_.at(0.0)) return std::nullopt;
+    double whole = 0.0, seen = 0.0, product = 0.0;
+    for (double s = -kBandEdge; s <= kBandEdge; s += section.step) {
+      const double flash = flash_.at(s);
+      whole += flash * flash;
+      const auto light = value(section.at(s), nullptr);
+      if (!light) continue;
+      seen += flash * flash;
+      product += flash * (*light - sides->brighter());
+    }
+    if (!(seen > kMinSeen * whole)) return std::nullopt;
+    return product / seen;
+  }
+
+  std::optional<Beside> beside(const Section& section) const {
+    constexpr double kMinPixels = 3.0;
+    std::array<Mean, 2> sides;
+    for (double s = kSideFrom; s <= kSideTo; s += section.step) {
+      if (const auto light = value(section.at(s), nullptr)) sides[0].add(*light);
+      if (const auto light = value(section.at(-s), nullptr)) sides[1].add(*light);
+    }
+    if (sides[0].weight < kMinPixels || sides[1].weight < kMinPixels) return std::nullopt;
+    return Beside{sides[0].value(), sides[1].value()};
+  }
+
+  /// Where no image but `own` is.
+  std::optional<double> value(cv::Point2d at, const Disc* own) const {
+    constexpr double kLimb_px = 4.0;  // beyond the outline: blur, and what the lens spreads most
+    const int column = cvRound(at.x), row = cvRound(at.y);
+    if (column < 0 || row < 0 || column >= photograph_.width() || row >= photograph_.height())
+      return std::nullopt;
+    for (const Disc& disc : discs_)
+      if (&disc != own && cv::norm(at - disc.centre) < disc.radius + kLimb_px) return std::nullopt;
+    return static_cast<double>(photograph_.intensity.at<float>(row, column));
+  }
+
+  const Photograph& photograph_;
+  std::span<const Disc> discs_;
+  FlashProfile flash_;
+};
+
+}  // namespace
+
+std::optional<double> ambient_share(const Photograph& photograph, std::span<const Disc> discs,
+                                    std::span<const Flight> flights) {
+  constexpr std::size_t kMinFlights = 3;
+  Bands bands(photograph, discs);
+  for (const Flight& flight : flights) {
+    const cv::Point2d way = discs[flight.to].centre - discs[flight.from].centre;
+    bands.learn(discs[flight.from], way / cv::norm(way));
+    bands.learn(discs[flight.to], way / cv::norm(way));
+  }
+  if (!bands.knows_flash()) return std::nullopt;
+  std::vector<double> shares;
+  for (const Flight& flight : flights)
+    if (const auto share = bands.share_between(discs[flight.from], discs[flight.to]))
+      shares.push_back(*share);
+  if (shares.size() < kMinFlights) return std::nullopt;
+  // Of an even number the lower of the middle ones.
+  std::ranges::sort(shares);
+  return std::max(0.0, shares[(shares.size() - 1) / 2]);
+}
+
+}  // namespace strobe::light
