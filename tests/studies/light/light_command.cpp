@@ -67,6 +67,8 @@ std::vector<Condition> conditions() {
     fault.lamp_a = false;
     t.scene.faults.push_back(fault);
   });
+  // Images that leave the ball's way free, as room light does not show elsewhere.
+  add("room", {0, 0.02, 0.05, 0.1, 0.2, 0.4}, [](Take& t, double) { t.shooting.period = milliseconds(6); });
   add("noise", {2, 4, 8}, [](Take& t, double v) {
     t.scene.photograph.full_well_e /= v * v;
     t.scene.photograph.read_noise_e /= v;
@@ -79,9 +81,29 @@ struct Told {
   std::vector<Advice> advice;
 };
 
-Result<Told> told_of(const Take& take) {
+/// Room lamps that flicker every 0.6 ms and light the middle of the ball's way by that share of a flash's
+/// light on the ball, added to the photograph.
+Result<void> add_room_light(const Take& take, double share, digitize::Photograph& photograph) {
+  constexpr double kPeriod_s = 0.6e-3;
+  Take room = take;
+  room.shooting.period = from_seconds(kPeriod_s);
+  room.scene.lamps.recharge_s = 0.0;
+  room.scene.photograph.exposure *=
+      share * kPeriod_s * take.scene.machine.speed_mps / take.scene.ball.diameter_m;
+  const auto lit = studies::digitize::known_photograph(room);
+  if (!lit) return tl::unexpected(lit.error());
+  photograph.intensity += lit->photograph.intensity - take.scene.photograph.black_level;
+  cv::min(photograph.intensity, photograph.saturation, photograph.intensity);
+  cv::max(photograph.intensity, 0.0, photograph.intensity);
+  return {};
+}
+
+Result<Told> told_of(const Take& take, double room) {
   auto known = studies::digitize::known_photograph(take);
   if (!known) return tl::unexpected(known.error());
+  if (room > 0.0)
+    if (const auto added = add_room_light(take, room, known->photograph); !added)
+      return tl::unexpected(added.error());
   const auto found = digitize::digitize(known->photograph, known->settings);
   if (!found) return tl::unexpected(found.error());
   Told told{light::measure_light(known->photograph, known->settings.map, *found), {}};
@@ -96,12 +118,13 @@ void print_measures(const Take& take, const light::LightMeasures& m) {
       " limbs {:.3f} {:.3f} bg {:.3f} noise {:.4f} rise {:.3f} ({:.0f} sds) black {:.2f} blur {:.2f} ({:.2f} "
       "{:.2f} ± "
       "{:.2f})"
-      " smear {:.2f} (at least {:.2f}) transfer {:.2f}\n",
+      " smear {:.2f} (at least {:.2f}) transfer {:.2f} ambient {:.3f}\n",
       take.scene.name, m.images, m.bright, m.dark, m.clipped_share, m.clipped.left, m.clipped.right, m.felt,
       m.weakest, m.limbs ? m.limbs->left : 0.0, m.limbs ? m.limbs->right : 0.0, m.background, m.noise,
       m.limb_rise, m.limb_rise / std::max(m.noise, 1e-9), m.black_share, m.blur_px,
       m.blur_at_px ? m.blur_at_px->left : 0.0, m.blur_at_px ? m.blur_at_px->right : 0.0, m.blur_at_sd_px,
-      m.smear_px.value_or(-1.0), m.smear_least_px, m.transfer ? m.transfer->exponent : 0.0);
+      m.smear_px.value_or(-1.0), m.smear_least_px, m.transfer ? m.transfer->exponent : 0.0,
+      m.ambient.value_or(-1.0));
 }
 
 Result<void> study(const Options& options) {
@@ -125,7 +148,8 @@ Result<void> study(const Options& options) {
     int silent = 0;
     std::map<std::string, int> said;
     const auto done = studies::digitize::try_in_order(
-        takes.size(), options.jobs, [&](std::size_t i) { return told_of(takes[i]); },
+        takes.size(), options.jobs,
+        [&](std::size_t i) { return told_of(takes[i], condition.axis == "room" ? condition.value : 0.0); },
         [&](std::size_t i, const Told& told) {
           silent += light::worst(told.advice) == Verdict::ok ? 1 : 0;
           for (const Advice& a : told.advice)
