@@ -128,12 +128,14 @@ class Bands {
 
   /// Where no image but `own` is.
   std::optional<double> value(cv::Point2d at, const Disc* own) const {
-    constexpr double kLimb_px = 4.0;  // beyond the outline: blur, and what the lens spreads most
+    constexpr double kLimb_px = 4.0, kLimb_sd = 3.0;  // what the lens spreads most, also out of focus
     const int column = cvRound(at.x), row = cvRound(at.y);
     if (column < 0 || row < 0 || column >= photograph_.width() || row >= photograph_.height())
       return std::nullopt;
     for (const Disc& disc : discs_)
-      if (&disc != own && cv::norm(at - disc.centre) < disc.radius + kLimb_px) return std::nullopt;
+      if (&disc != own &&
+          cv::norm(at - disc.centre) < disc.radius + std::max(kLimb_px, kLimb_sd * disc.blur_px))
+        return std::nullopt;
     return static_cast<double>(photograph_.intensity.at<float>(row, column));
   }
 

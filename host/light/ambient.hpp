@@ -16,6 +16,7 @@ struct Disc {
   cv::Point2d centre;
   double radius = 0.0;
   bool airborne = true;
+  double blur_px = 0.0;  ///< sd of its limb's
 };
 
 /// Indices of two discs of one leg, the one flash after the other; not at one place.
