@@ -64,10 +64,10 @@ constexpr double kNeighbourOfDiameter = 1.2;
 
 class Digitizer {
  public:
-  Digitizer(const Photograph& photograph, const DigitizeSettings& settings)
-      : photograph_(photograph),
-        settings_(settings),
-        map_(settings.map.is_uncalibrated() ? PlaneMap::uncalibrated(photograph.height()) : settings.map) {}
+  /// `with_lines`: the balls are large enough to show a drawn line.
+  Digitizer(const Photograph& photograph, const PlaneMap& map, const DigitizeSettings& settings,
+            bool with_lines)
+      : photograph_(photograph), settings_(settings), map_(map), with_lines_(with_lines) {}
 
   Digitization run() {
     Stopwatch watch(result_.stage_ms);
@@ -299,6 +299,11 @@ class Digitizer {
         result_.remarks.push_back("no line is drawn on the ball: its spin is not measured");
       return;
     }
+    if (!with_lines_) {
+      for (const Outline& o : result_.outlines)
+        reject(o, "equator", {Reason::no_line, "the ball is too small to show one"});
+      return;
+    }
     const auto equators = measure_equators(photograph_, map_, result_.outlines, settings_.effort);
     for (std::size_t i = 0; i < equators.size(); ++i) {
       if (!equators[i]) {
@@ -321,6 +326,7 @@ class Digitizer {
   const Photograph& photograph_;
   const DigitizeSettings& settings_;
   PlaneMap map_;
+  bool with_lines_;
   double expected_px_ = 0.0;                      ///< diameter
   double size_min_px_ = 0.0, size_max_px_ = 0.0;  ///< of single balls
   std::optional<SurfaceLine> surface_;
@@ -329,10 +335,9 @@ class Digitizer {
 
 /// Where numbers turn out not to be proportional to light, once more with light in their place: a screen's
 /// gamma widens every ball by half a pixel.
-Digitization digitize_light(const Photograph& photograph, const DigitizeSettings& settings) {
-  auto digitization = Digitizer(photograph, settings).run();
-  const PlaneMap map =
-      settings.map.is_uncalibrated() ? PlaneMap::uncalibrated(photograph.height()) : settings.map;
+Digitization digitize_light(const Photograph& photograph, const PlaneMap& map,
+                            const DigitizeSettings& settings, bool with_lines) {
+  auto digitization = Digitizer(photograph, map, settings, with_lines).run();
   const auto curve = measure_transfer(photograph, map, digitization.outlines);
   digitization.transfer = curve;
   // Files of 8 bits are a screen's as often as a sensor's.
@@ -342,7 +347,7 @@ Digitization digitize_light(const Photograph& photograph, const DigitizeSettings
         "ball "
         "overlap: a screen's gamma would widen every ball");
   if (!curve || curve->is_proportional()) return digitization;
-  digitization = Digitizer(linearized(photograph, *curve), settings).run();
+  digitization = Digitizer(linearized(photograph, *curve), map, settings, with_lines).run();
   digitization.transfer = curve;
   digitization.remarks.push_back(
       fmt::format("the numbers are not proportional to light but to its power {:.2f} ± {:.2f}, as {} places "
@@ -351,13 +356,44 @@ Digitization digitize_light(const Photograph& photograph, const DigitizeSettings
   return digitization;
 }
 
+/// Balls of fewer px are measured on the photograph at twice its size: votes, sectors of an outline and what
+/// is sought beside it are several px. Rendered balls are all found from here on, and larger pictures find no
+/// more.
+constexpr double kSmall_px = 30.0;
+/// Larger ones take seconds and gigabytes.
+constexpr double kMaxEnlargedPixels = 40e6;
+
+Digitization digitize_small_or_large(const Photograph& photograph, const DigitizeSettings& settings) {
+  const PlaneMap map =
+      settings.map.is_uncalibrated() ? PlaneMap::uncalibrated(photograph.height()) : settings.map;
+  std::optional<Digitization> digitization;
+  double diameter_px = settings.px_per_m.value_or(0.0) * settings.ball_diameter_m;
+  if (!settings.px_per_m) {
+    digitization = digitize_light(photograph, map, settings, true);
+    if (!digitization->scale) return std::move(*digitization);
+    diameter_px = digitization->scale->diameter_px;
+  }
+  const cv::Point2d middle(0.5 * photograph.width(), 0.5 * photograph.height());
+  const bool small = diameter_px * map.image_px_per_plane_px(middle) < kSmall_px;
+  const double pixels = static_cast<double>(photograph.width()) * photograph.height();
+  if (small && 4.0 * pixels <= kMaxEnlargedPixels)
+    digitization = digitize_light(enlarged(photograph, 2), map.on_enlarged(2.0), settings, false);
+  if (!digitization) digitization = digitize_light(photograph, map, settings, true);
+  if (small)
+    digitization->remarks.push_back(
+        fmt::format("a ball {:.0f} px wide is small: of images that overlap some may be missed, from {:.0f} "
+                    "px on hardly any",
+                    diameter_px, kSmall_px));
+  return std::move(*digitization);
+}
+
 }  // namespace
 
 Result<Digitization> digitize(const Photograph& photograph, const DigitizeSettings& settings) {
   if (const auto problem = invalid_setting(settings)) return fail(*problem);
   if (photograph.intensity.empty()) return fail(photograph.name + ": it has no pixels");
   try {
-    auto digitization = digitize_light(photograph, settings);
+    auto digitization = digitize_small_or_large(photograph, settings);
     if (photograph.orientation != 1)
       digitization.remarks.push_back(fmt::format(
           "the camera says that it was held otherwise than upright (EXIF orientation {}): the pixels "

@@ -86,19 +86,43 @@ PlaneMap PlaneMap::calibrated(const LensDistortion& lens, const cv::Matx33d& rec
   return map;
 }
 
-cv::Point2d PlaneMap::to_plane(cv::Point2d image_px) const {
+PlaneMap PlaneMap::on_enlarged(double factor) const {
+  PlaneMap map = *this;
+  map.enlarged_ *= factor;
+  return map;
+}
+
+// Pixels' centres are at integers.
+cv::Point2d PlaneMap::own(cv::Point2d enlarged_px) const {
+  if (enlarged_ == 1.0) return enlarged_px;
+  return {(enlarged_px.x + 0.5) / enlarged_ - 0.5, (enlarged_px.y + 0.5) / enlarged_ - 0.5};
+}
+
+cv::Point2d PlaneMap::to_plane(cv::Point2d image_px) const { return own_to_plane(own(image_px)); }
+
+cv::Point2d PlaneMap::to_image(cv::Point2d plane_px) const {
+  const cv::Point2d at = plane_to_own(plane_px);
+  if (enlarged_ == 1.0) return at;
+  return {(at.x + 0.5) * enlarged_ - 0.5, (at.y + 0.5) * enlarged_ - 0.5};
+}
+
+cv::Matx22d PlaneMap::jacobian(cv::Point2d image_px) const {
+  return own_jacobian(own(image_px)) * (1.0 / enlarged_);
+}
+
+cv::Point2d PlaneMap::own_to_plane(cv::Point2d image_px) const {
   if (uncalibrated_) return {image_px.x, height_px_ - 1.0 - image_px.y};
   const cv::Point2d ideal = undistort(lens_, (image_px - lens_.centre_px) * (1.0 / lens_.focal_px));
   return apply(rectify_, ideal * lens_.focal_px + lens_.centre_px);
 }
 
-cv::Point2d PlaneMap::to_image(cv::Point2d plane_px) const {
+cv::Point2d PlaneMap::plane_to_own(cv::Point2d plane_px) const {
   if (uncalibrated_) return {plane_px.x, height_px_ - 1.0 - plane_px.y};
   const cv::Point2d ideal = (apply(unrectify_, plane_px) - lens_.centre_px) * (1.0 / lens_.focal_px);
   return distort(lens_, ideal).at * lens_.focal_px + lens_.centre_px;
 }
 
-cv::Matx22d PlaneMap::jacobian(cv::Point2d image_px) const {
+cv::Matx22d PlaneMap::own_jacobian(cv::Point2d image_px) const {
   if (uncalibrated_) return {1.0, 0.0, 0.0, -1.0};
   const cv::Point2d ideal = undistort(lens_, (image_px - lens_.centre_px) * (1.0 / lens_.focal_px));
   return derivative_of(rectify_, ideal * lens_.focal_px + lens_.centre_px) *

@@ -41,13 +41,17 @@ class PlaneMap {
   static PlaneMap calibrated(const LensDistortion& lens, const cv::Matx33d& rectify,
                              const std::optional<Viewpoint>& viewpoint);
 
+  /// The same plane, seen on the photograph made larger by that factor, as enlarged() does.
+  PlaneMap on_enlarged(double factor) const;
+
   cv::Point2d to_plane(cv::Point2d image_px) const;
   cv::Point2d to_image(cv::Point2d plane_px) const;
   /// d(plane)/d(image).
   cv::Matx22d jacobian(cv::Point2d image_px) const;
   /// Linear scale of the photograph there, from the ratio of areas.
   double image_px_per_plane_px(cv::Point2d image_px) const;
-  bool is_uncalibrated() const { return uncalibrated_; }
+  /// Whether plane px are the photograph's own, with y turned upwards.
+  bool is_uncalibrated() const { return uncalibrated_ && enlarged_ == 1.0; }
 
   /// The outline of a ball with its centre in the plane at `centre_px`: a sphere's perspective image where
   /// the viewpoint is known, else a circle.
@@ -55,7 +59,13 @@ class PlaneMap {
   const std::optional<Viewpoint>& viewpoint() const { return viewpoint_; }
 
  private:
+  cv::Point2d own(cv::Point2d enlarged_px) const;
+  cv::Point2d own_to_plane(cv::Point2d image_px) const;
+  cv::Point2d plane_to_own(cv::Point2d plane_px) const;
+  cv::Matx22d own_jacobian(cv::Point2d image_px) const;
+
   bool uncalibrated_ = true;
+  double enlarged_ = 1.0;
   double height_px_ = 0.0;
   LensDistortion lens_;
   cv::Matx33d rectify_ = cv::Matx33d::eye();

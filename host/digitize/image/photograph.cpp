@@ -144,6 +144,17 @@ double saturation_level(const cv::Mat& pixels) {
   return peak ? *peak * width : file_range - 1;
 }
 
+Photograph enlarged(const Photograph& photograph, int factor) {
+  Photograph larger = photograph;
+  const cv::Size size(photograph.width() * factor, photograph.height() * factor);
+  larger.intensity = cv::Mat();
+  cv::resize(photograph.intensity, larger.intensity, size, 0, 0, cv::INTER_CUBIC);
+  cv::Mat saturated;
+  cv::resize(photograph.intensity >= photograph.saturation, saturated, size, 0, 0, cv::INTER_NEAREST);
+  larger.intensity.setTo(photograph.saturation, saturated);
+  return larger;
+}
+
 Result<Photograph> decode_photograph(std::span<const unsigned char> bytes, const std::string& name) {
   try {
     auto photograph = decoded(bytes, name);

@@ -34,6 +34,9 @@ Result<Photograph> decode_photograph(std::span<const unsigned char> bytes, const
 /// Reads and decodes a file; a camera's RAW file by strobe-raw (host/external/raw_file.hpp).
 Result<Photograph> load_photograph(const std::filesystem::path& path);
 
+/// The same with each side so many times as long, by cubics between the pixels. What is saturated stays so.
+Photograph enlarged(const Photograph& photograph, int factor);
+
 /// The lowest number that a saturated pixel shows, in the file's own numbers (CV_8UC1 or CV_16UC1). A sensor
 /// of fewer bits than the file saturates below the file's largest number (4095, or 4095·16 of 65535), and
 /// lossy compression or a full well spreads it: the largest numbers count as saturated if they form a peak

@@ -86,6 +86,20 @@ TEST(PlaneMap, LeadsBackToWhereItCameFrom) {
     for (const cv::Point2d& p : places()) CHECK_TRUE(cv::norm(map.to_image(map.to_plane(p)) - p) < 1e-8);
 }
 
+TEST(PlaneMap, OfAnEnlargedPhotographLeadsToTheSamePlane) {
+  for (const PlaneMap& map : {PlaneMap::uncalibrated(1840), bent_and_tilted()}) {
+    const PlaneMap twice = map.on_enlarged(2.0);
+    CHECK_FALSE(twice.is_uncalibrated());
+    for (const cv::Point2d& own : places()) {
+      // Where the four pixels meet that have come of one. Rounding as above.
+      const cv::Point2d larger = 2.0 * own + cv::Point2d(0.5, 0.5);
+      CHECK_TRUE(cv::norm(twice.to_plane(larger) - map.to_plane(own)) < 1e-8);
+      CHECK_TRUE(cv::norm(twice.to_image(map.to_plane(own)) - larger) < 1e-8);
+      DOUBLES_EQUAL(2.0 * map.image_px_per_plane_px(own), twice.image_px_per_plane_px(larger), 1e-8);
+    }
+  }
+}
+
 TEST(PlaneMap, KnowsItsSlope) {
   const PlaneMap map = bent_and_tilted();
   // Central differences over h: the third derivative, some 1e-6 per px², times h²/6, and rounding 1e-9/h.

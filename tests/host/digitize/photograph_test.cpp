@@ -85,6 +85,22 @@ TEST(Photograph, APixelAtTheTopOfTheFileCountsAsSaturated) {
   }
 }
 
+TEST(Photograph, EnlargedHasItsEdgesWhereTheyWereAndStaysSaturated) {
+  strobe::digitize::Photograph photograph;
+  photograph.saturation = 0.9F;
+  photograph.intensity = cv::Mat(20, 20, CV_32FC1, cv::Scalar(0.1));
+  photograph.intensity.colRange(12, 16).setTo(0.5);
+  photograph.intensity.colRange(16, 20).setTo(0.95);
+  const auto larger = enlarged(photograph, 2);
+  LONGS_EQUAL(40, larger.width());
+  LONGS_EQUAL(40, larger.height());
+  // Half-way between the columns 11 and 12, that is between 23 and 24, which are as far off it either way.
+  const auto* row = larger.intensity.ptr<float>(20);
+  DOUBLES_EQUAL(0.1 + 0.5, row[23] + row[24], 1e-6);
+  CHECK_TRUE(row[31] < larger.saturation);
+  for (int column = 32; column < 40; ++column) CHECK_TRUE(row[column] >= larger.saturation);
+}
+
 TEST(Photograph, ColoursBecomeTheirLuminance) {
   const cv::Mat pixels(16, 16, CV_8UC3, cv::Scalar(40, 80, 160));  // blue, green, red
   const auto photograph = decode_photograph(encoded_picture(pixels, ".png"), "a");
