@@ -277,6 +277,7 @@ struct Flash {
   std::vector<FeltBall> moments;
   double time_s = 0.0;
   reduction::Leg leg{};
+  bool other = false;  ///< of a second ball
 };
 
 FeltBall ball_of(const View& view, const sim::Scene& scene, const sim::BallPath& path, double since_s) {
@@ -298,8 +299,8 @@ FeltBall ball_of(const View& view, const sim::Scene& scene, const sim::BallPath&
   return ball;
 }
 
-std::vector<Flash> flashes_of(const View& view, const Look& look, const sim::Scene& scene,
-                              const sim::Exposure& exposure, std::mt19937_64& random) {
+std::vector<Flash> flashes_of_one(const View& view, const Look& look, const sim::Scene& scene,
+                                  const sim::Exposure& exposure, std::mt19937_64& random) {
   const double second = scene.photograph.second_flash, second_s = scene.photograph.second_flash_s;
   std::normal_distribution<double> power(1.0, 0.03);
   std::vector<Flash> flashes;
@@ -325,6 +326,37 @@ std::vector<Flash> flashes_of(const View& view, const Look& look, const sim::Sce
                                                  : reduction::Leg::incoming;
     flashes.push_back(std::move(flash));
   }
+  return flashes;
+}
+
+/// Lit by every flash.
+Flash at_rest(const View& view, const Look& look, const sim::Scene& scene, const sim::Exposure& exposure,
+              double x_m) {
+  Flash flash;
+  flash.other = true;
+  flash.ball.radius_m = 0.5 * scene.ball.diameter_m;
+  flash.ball.centre = {x_m, view.surface_m + flash.ball.radius_m, 0.0};
+  flash.ball.equator_rad = 0.7;
+  const auto pulses = static_cast<double>(exposure.pulses.size());
+  flash.moments.push_back(flash.ball);
+  flash.moments.back().light = {pulses * look.power[0], pulses * look.power[1]};
+  return flash;
+}
+
+/// Second balls' come last.
+std::vector<Flash> flashes_of(const View& view, const Look& look, const sim::Scene& scene,
+                              const sim::Exposure& exposure, std::optional<double> at_rest_m,
+                              std::mt19937_64& random) {
+  std::vector<Flash> flashes = flashes_of_one(view, look, scene, exposure, random);
+  for (const sim::ThrownBall& ball : exposure.more_balls) {
+    sim::Exposure other = exposure;
+    other.ball = ball;
+    for (Flash& flash : flashes_of_one(view, look, scene, other, random)) {
+      flash.other = true;
+      flashes.push_back(std::move(flash));
+    }
+  }
+  if (at_rest_m) flashes.push_back(at_rest(view, look, scene, exposure, *at_rest_m));
   return flashes;
 }
 
@@ -482,12 +514,14 @@ struct Draft {
   std::vector<Flash> flashes;
 };
 
-Draft draft_of(const sim::Scene& scene, const sim::Exposure& exposure, std::uint64_t seed) {
+Draft draft_of(const sim::Scene& scene, const sim::Exposure& exposure, std::uint64_t seed,
+               const IndependentLook& extra) {
   Draft draft;
   draft.random.seed(seed * 7919 + static_cast<std::uint64_t>(exposure.shot));
   draft.view = view_of(scene, draft.random);
   draft.look = look_of(scene, draft.random);
-  draft.flashes = flashes_of(draft.view, draft.look, scene, exposure, draft.random);
+  draft.flashes =
+      flashes_of(draft.view, draft.look, scene, exposure, extra.ball_at_rest_m, draft.random);
   return draft;
 }
 
@@ -506,10 +540,14 @@ IndependentCamera camera_of(const sim::Scene& scene, const Look& look, const Ind
 }  // namespace
 
 IndependentTruth independent_truth(const sim::Scene& scene, const sim::Exposure& exposure,
-                                   std::uint64_t seed) {
-  const Draft draft = draft_of(scene, exposure, seed);
+                                   std::uint64_t seed, const IndependentLook& extra) {
+  const Draft draft = draft_of(scene, exposure, seed, extra);
   IndependentTruth truth;
   for (const Flash& flash : draft.flashes) {
+    if (flash.other) {
+      truth.others.push_back(truth_of(draft.view, draft.look, flash));
+      continue;
+    }
     truth.images.push_back(truth_of(draft.view, draft.look, flash));
     truth.times_s.push_back(flash.time_s);
   }
@@ -522,7 +560,7 @@ IndependentTruth independent_truth(const sim::Scene& scene, const sim::Exposure&
 
 cv::Mat render_independently(const sim::Scene& scene, const sim::Exposure& exposure, std::uint64_t seed,
                              const IndependentLook& extra) {
-  Draft draft = draft_of(scene, exposure, seed);
+  Draft draft = draft_of(scene, exposure, seed, extra);
   const Look& look = draft.look;
   const cv::Mat scenery = scenery_of(draft.view, look, scene.background.blobs);
   cv::Mat felt(scenery.size(), CV_32FC1, cv::Scalar(0.0)), hidden = felt.clone();

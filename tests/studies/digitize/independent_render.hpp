@@ -6,6 +6,7 @@
 
 #include <array>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "sim/rig/exposure.hpp"
@@ -17,10 +18,12 @@ namespace strobe::studies::digitize {
 /// What the scene does not say.
 struct IndependentLook {
   double noise = 1.0;  ///< of the sensor, over the usual
+  std::optional<double> ball_at_rest_m{};  ///< a second ball lies on the plate there, from where the first touches down
 };
 
 struct IndependentTruth {
   std::vector<TrueImage> images;
+  std::vector<TrueImage> others;               ///< of second balls
   std::vector<double> times_s;                 ///< of the images, from the first pulse's edge
   std::vector<reduction::PointPx> surface_px;  ///< two points of the surface
   std::array<double, 3> viewpoint_px{};        ///< foot of the lens on the plane of flight, its distance
@@ -28,7 +31,7 @@ struct IndependentTruth {
 
 /// Of the photograph that the same arguments render; nothing is rendered here.
 IndependentTruth independent_truth(const sim::Scene& scene, const sim::Exposure& exposure,
-                                   std::uint64_t seed);
+                                   std::uint64_t seed, const IndependentLook& look = {});
 
 /// CV_16UC3, blue first.
 cv::Mat render_independently(const sim::Scene& scene, const sim::Exposure& exposure, std::uint64_t seed,

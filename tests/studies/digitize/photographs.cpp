@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <iterator>
@@ -34,6 +35,20 @@ std::vector<TrueImage> true_images(const sim::Scene& scene, const sim::Photograp
          .contact_width_px = image.contact_width_px,
          .whole = image.whole});
   return images;
+}
+
+/// Of the balls that a fault throws besides the shot's.
+std::vector<TrueImage> others_of(const Take& take, const sim::Exposure& exposure,
+                                 const sim::Appearance& appearance) {
+  std::vector<TrueImage> others;
+  for (const sim::ThrownBall& ball : exposure.more_balls) {
+    sim::Exposure other = exposure;
+    other.ball = ball;
+    const auto truth = sim::photograph_truth(take.scene, other, appearance,
+                                             sim::lit_balls(take.scene, other, appearance));
+    std::ranges::move(true_images(take.scene, truth), std::back_inserter(others));
+  }
+  return others;
 }
 
 std::vector<double> seen_flashes(const sim::PhotographTruth& truth) {
@@ -112,6 +127,7 @@ KnownPhotograph known_of(const Take& take, sim::SimulatedShot shot) {
   known.settings.flash_times_s = seen_flashes(known.scene_truth);
   known.truth = true_images(take.scene, known.scene_truth);
   for (const sim::ImageTruth& image : known.scene_truth.images) known.times_s.push_back(image.time_s);
+  known.others = others_of(take, shot.exposure, appearance);
   known.surface_px = known.scene_truth.surface_px;
   if (const auto& camera = take.scene.camera; camera.distance_m > 0.0) {
     const reduction::PointPx foot = sim::Camera(take.scene).foot_px();
@@ -145,8 +161,9 @@ Result<KnownPhotograph> known_photograph(const Take& take) {
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   KnownPhotograph known = known_of(take, std::move(*shot));
   if (take.independent) {
-    IndependentTruth truth = independent_truth(take.scene, known.shot.exposure, take.seed);
+    IndependentTruth truth = independent_truth(take.scene, known.shot.exposure, take.seed, take.look);
     known.truth = std::move(truth.images);
+    known.others = std::move(truth.others);
     known.times_s = std::move(truth.times_s);
     known.surface_px = std::move(truth.surface_px);
     known.viewpoint_px = truth.viewpoint_px;

@@ -39,6 +39,7 @@ struct KnownPhotograph {
   strobe::digitize::Photograph photograph;  ///< read as from an uncompressed TIFF
   strobe::digitize::DigitizeSettings settings;
   std::vector<TrueImage> truth;
+  std::vector<TrueImage> others;               ///< of second balls
   std::vector<double> times_s;                 ///< of the true images, in the same order
   std::vector<reduction::PointPx> surface_px;  ///< two points of the surface's true line
   /// Foot of the lens on the plane of flight, and its distance, px; absent: infinitely far.

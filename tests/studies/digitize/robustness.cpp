@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <functional>
 
 #include "common/units/angles.hpp"
+#include "tests/studies/digitize/crowded.hpp"
 #include "tests/studies/digitize/in_order.hpp"
 #include "tests/studies/digitize/photographs.hpp"
 #include "tests/studies/digitize/score.hpp"
@@ -18,12 +20,30 @@ namespace {
 
 using sim::Scene;
 
+/// What else was told of a photograph, and how long it took.
+struct Crowd {
+  int doubles = 0;  ///< of those invented, at an image that was found
+  int others = 0;   ///< of those invented, images of a second ball
+  int others_there = 0;
+  int remarks = 0;  ///< photographs with any
+  std::vector<double> ms{};  ///< of the processor, a photograph each
+
+  void add(const Crowd& other) {
+    doubles += other.doubles;
+    others += other.others;
+    others_there += other.others_there;
+    remarks += other.remarks;
+    ms.insert(ms.end(), other.ms.begin(), other.ms.end());
+  }
+};
+
 /// One condition of an axis and what was measured under it.
 struct RobustnessPoint {
   std::string axis;
   std::string label;
   Score score;
   TimeCount times;
+  Crowd crowd;
 };
 
 struct Condition {
@@ -55,15 +75,6 @@ void set_noise(Take& take, double factor) {
   take.scene.photograph.read_noise_e /= factor;  // in electrons of fewer
 }
 
-/// The camera farther away or nearer: the ball's diameter in px.
-void set_size(Take& take, double diameter_px) {
-  auto& camera = take.scene.camera;
-  const double px_per_m = diameter_px / take.scene.ball.diameter_m;
-  camera.origin_x_px *= px_per_m / camera.px_per_m;
-  camera.origin_y_px *= px_per_m / camera.px_per_m;
-  camera.px_per_m = px_per_m;
-}
-
 /// The spin's axis turned off the camera's, about the vertical.
 void turn_spin(Take& take, double by_deg) {
   auto& machine = take.scene.machine;
@@ -93,7 +104,14 @@ std::vector<Condition> conditions() {
   add(all, "noise", {0.5, 1, 2, 4, 8}, set_noise);
   add(all, "gamma", {1, 0.9, 0.8, 0.6, 0.45}, [](Take& t, double v) { t.scene.photograph.gamma = v; });
   add(all, "jpeg", {0, 95, 90, 85, 70, 50}, [](Take& t, double v) { t.jpeg_quality = static_cast<int>(v); });
-  add(all, "size", {20, 30, 45, 65, 100, 180, 260, 400}, set_size);
+  add(all, "size", {12, 16, 24, 40, 80, 160, 300, 500}, set_size);
+  add(all, "images", {3, 5, 10, 20, 40, 60}, set_images);
+  add(all, "overlap", {1.2, 0.8, 0.5, 0.4, 0.33}, set_overlap);
+  add(all, "rolling", {0.5, 0.2, 0.05}, set_rolling);
+  add(all, "skimming", {20, 5, 1}, set_skimming);
+  add(all, "bounces", {2, 3, 4}, set_bounces);
+  add(all, "second_ball_ms", {0, 4.5, 10, 22}, set_second_ball);
+  add(all, "ball_at_rest", {-4, -2, 2, 4}, set_ball_at_rest);
   return all;
 }
 
@@ -146,24 +164,59 @@ Result<void> write_csv(const std::vector<RobustnessPoint>& points, const std::st
 struct Measured {
   Score score;
   TimeCount times;
+  Crowd crowd;
 };
+
+void tell_crowds(const std::vector<RobustnessPoint>& points, bool timed) {
+  fmt::print("\n{:<{}} {:>8} {:>8} {:>11} {:>8} {}\n", "", kShotNameWidth, "invented", "doubles", "2nd ball's",
+             "remarks", timed ? " processor ms: median largest" : "");
+  for (const RobustnessPoint& p : points) {
+    std::vector<double> ms = p.crowd.ms;
+    std::ranges::sort(ms);
+    fmt::print("{:<{}} {:>8} {:>8} {:>5}/{:<5} {:>8}", p.axis + " " + p.label, kShotNameWidth, p.score.invented,
+               p.crowd.doubles, p.crowd.others, p.crowd.others_there, p.crowd.remarks);
+    fmt::print("{}\n", timed ? fmt::format("  {:>20.0f} {:>7.0f}", ms[ms.size() / 2], ms.back()) : "");
+  }
+}
+
+bool near_any(const reduction::BallImage& image, const std::vector<TrueImage>& of, double share) {
+  return std::ranges::any_of(of, [&](const TrueImage& true_image) {
+    return std::hypot(image.centre_px.x - true_image.centre_px.x, image.centre_px.y - true_image.centre_px.y) <
+           share * true_image.diameter_px;
+  });
+}
+
+Crowd crowd_of(const KnownPhotograph& known, const strobe::digitize::Digitization& digitization) {
+  const auto& images = digitization.frame.images;
+  std::vector<char> taken(images.size(), 0);
+  for (const Pair& pair : pairs_of(known.truth, images)) taken[pair.image] = 1;
+  Crowd crowd;
+  crowd.others_there = static_cast<int>(std::ranges::count_if(known.others, &TrueImage::whole));
+  crowd.remarks = digitization.remarks.empty() ? 0 : 1;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (taken[i] != 0) continue;
+    if (near_any(images[i], known.others, 0.25))
+      ++crowd.others;
+    else
+      crowd.doubles += near_any(images[i], known.truth, 0.25) ? 1 : 0;
+  }
+  return crowd;
+}
 
 Result<Measured> measure(const Take& take, strobe::digitize::Effort effort) {
   auto known = known_photograph(take);
   if (!known) return tl::unexpected(known.error());
   known->settings.effort = effort;
+  // The processor's time, of all threads: the machine may do other things, too.
+  const std::clock_t start = std::clock();
   const auto result = strobe::digitize::digitize(known->photograph, known->settings);
+  const double took_ms = 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   if (!result) return tl::unexpected(result.error());
   Measured measured{score(known->truth, result->frame, reported_places(*result)),
-                    count_times(known->truth, known->times_s, result->frame)};
+                    count_times(known->truth, known->times_s, result->frame), crowd_of(*known, *result)};
+  measured.crowd.ms.push_back(took_ms);
   score_surface(known->surface_px, result->frame, measured.score);
   return measured;
-}
-
-Result<std::vector<Scene>> scenes_of(const Options& options) {
-  std::vector<std::string> names = options.scenes;
-  if (names.empty()) names = {"zero_41", "top_34", "back_59"};
-  return load_scenes(names);
 }
 
 Result<std::vector<Condition>> wanted(const std::vector<std::string>& axes) {
@@ -179,7 +232,8 @@ Result<std::vector<Condition>> wanted(const std::vector<std::string>& axes) {
 }  // namespace
 
 Result<void> study_robustness(const Options& options) {
-  const auto scenes = scenes_of(options);
+  const std::vector<std::string> usual{"zero_41", "top_34", "back_59"};
+  const auto scenes = scenes_of(options, options.scenes.empty() ? usual : options.scenes);
   if (!scenes) return tl::unexpected(scenes.error());
   const auto all = wanted(options.axes);
   if (!all) return tl::unexpected(all.error());
@@ -195,18 +249,21 @@ Result<void> study_robustness(const Options& options) {
                   static_cast<int>(i % shots) + 1,
                   {},
                   options.independent};
+        take.shooting = shooting_of(options, take.scene);
         (*all)[i / of_point].apply(take);
         return measure(take, options.effort);
       },
       [&](std::size_t i, const Measured& measured) {
         const Condition& c = (*all)[i / of_point];
-        if (i % of_point == 0) points.push_back({c.axis, c.label, {}, {}});
+        if (i % of_point == 0) points.push_back({c.axis, c.label, {}, {}, {}});
         points.back().score.add(measured.score);
         points.back().times.add(measured.times);
+        points.back().crowd.add(measured.crowd);
         if ((i + 1) % of_point == 0) print_score(c.axis + " " + c.label, kShotNameWidth, points.back().score);
       });
   if (!done) return done;
   tell(points);
+  tell_crowds(points, options.jobs == 1);
   return options.csv.empty() ? Result<void>{} : write_csv(points, options.csv);
 }
 
