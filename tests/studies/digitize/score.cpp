@@ -164,7 +164,8 @@ void score_surface(const std::vector<reduction::PointPx>& line, const reduction:
   double sum_px = 0.0;
   for (const reduction::PointPx& p : frame.surface_px) sum_px += p.y - line[0].y - slope * (p.x - line[0].x);
   const auto count = static_cast<double>(frame.surface_px.size());
-  score.surface_px.add(sum_px / count, frame.surface_sd_px
+  const double lowest_px = score.found > 0 ? score.y_px.bias() - 0.5 * score.diameter_px.bias() : 0.0;
+  score.surface_px.add(sum_px / count - lowest_px, frame.surface_sd_px
                                            ? std::optional(*frame.surface_sd_px / std::sqrt(count))
                                            : std::nullopt);
 }

@@ -66,7 +66,7 @@ struct Score {
   ErrorTally tilt_rad;  ///< of the line: positive is away from the diameter
   ErrorTally top_px;  ///< of contact images, height only
   ErrorTally contact_width_px;
-  ErrorTally surface_px;  ///< height of its line in the middle of the frame's points
+  ErrorTally surface_px;  ///< height of its line in the middle of the frame's points, seen from the balls
 
   void add(const Score& other);
   /// Centres, diameters, equators and surfaces beyond kWild_sd.
@@ -88,8 +88,9 @@ std::vector<Pair> pairs_of(const std::vector<TrueImage>& truth,
 Score score(const std::vector<TrueImage>& truth, const reduction::Frame& frame,
             const std::vector<ReportedPlace>& reported = {});
 
-/// The frame's surface against the true line through two points. Its sd is that of the mean of independent points, as
-/// the reduction takes them.
+/// The frame's surface against the true line through two points, seen from the lowest points of the balls
+/// that `score` has of this one photograph: what they are off alike heights are, too. Its sd is that of the
+/// mean of independent points, as the reduction takes them.
 void score_surface(const std::vector<reduction::PointPx>& line, const reduction::Frame& frame, Score& score);
 
 /// Times of found images that are not as far from the others' as they truly are, by more than a millisecond:

@@ -55,6 +55,17 @@ TEST(DigitizeScore, HoldsTheSurfaceAgainstTheTrueLine) {
   LONGS_EQUAL(1, s.surface_px.count);
 }
 
+TEST(DigitizeScore, SeesTheSurfaceFromTheBalls) {
+  Frame frame;
+  frame.surface_px = {{0.0, 10.0}, {100.0, 10.0}};
+  frame.images = {found_at(100.0, 500.0)};
+  frame.images[0].diameter_px += 0.4;
+  Score s = score({true_at(100, 500)}, frame);
+  score_surface({{0.0, 10.0}, {100.0, 10.0}}, frame, s);
+  // The ball's lowest point is .2 px too low.
+  DOUBLES_EQUAL(0.2, s.surface_px.bias(), 1e-12);
+}
+
 TEST(DigitizeScore, ASecondImageOfTheSameOneIsInvented) {
   Frame frame;
   frame.images = {found_at(103.0, 500.0), found_at(100.0, 500.0)};
