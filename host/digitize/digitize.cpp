@@ -280,15 +280,18 @@ class Digitizer {
   void measure_scale() {
     if (result_.outlines.empty()) return;
     const SizeModel size = fit_size_model(result_.outlines);
-    std::vector<double> diameters;
-    for (const Outline& o : result_.outlines) diameters.push_back(o.diameter);
+    std::vector<double> diameters, shared;
+    for (const Outline& o : result_.outlines) {
+      diameters.push_back(o.diameter);
+      shared.push_back(o.shared_diameter_sd_px);
+    }
     BallScale scale;
     scale.images = static_cast<int>(diameters.size());
     scale.diameter_px = median(std::move(diameters));
-    scale.diameter_sd_px = size.sd;
+    scale.diameter_sd_px = std::hypot(size.sd, median(std::move(shared)));
     scale.px_per_m = scale.diameter_px / settings_.ball_diameter_m;
     scale.px_per_m_sd =
-        scale.px_per_m * std::hypot(size.sd / scale.diameter_px,
+        scale.px_per_m * std::hypot(scale.diameter_sd_px / scale.diameter_px,
                                     settings_.ball_diameter_sd_m.value_or(0.0) / settings_.ball_diameter_m);
     result_.scale = scale;
   }

@@ -73,8 +73,10 @@ struct Arc {
 /// A measured outline of the ball.
 struct Outline {
   cv::Point2d centre;
-  double diameter = 0.0;          ///< of the disc of equal area
-  cv::Matx33d covariance;         ///< of centre x, centre y, diameter [px²]; symmetric, PSD
+  double diameter = 0.0;   ///< of the disc of equal area
+  cv::Matx33d covariance;  ///< of centre x, centre y, diameter [px²]; symmetric, PSD
+  /// Of the diameter, what all outlines of a photograph are off alike: in the covariance, too.
+  double shared_diameter_sd_px = 0.0;
   std::vector<Arc> visible_arcs;  ///< what it was fitted to
   double visible_fraction = 0.0;  ///< of the whole circle, 0 to 1
   double rms_px = 0.0;            ///< of its edge residuals

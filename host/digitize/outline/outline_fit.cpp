@@ -85,8 +85,8 @@ std::optional<OvalModel> fit_oval_model(std::span<const OvalSample> samples, cv:
 
 namespace {
 
-// The covariance of a fitted outline, from the residuals of its sectors, which texture and shading correlate
-// (sandwich estimator with Bartlett's window along the outline, Newey and West 1987).
+// The covariance of a fitted outline, from the residuals of its sectors (sandwich estimator), which texture,
+// shading and blur correlate along the outline.
 
 struct FittedSectors {
   const SectorOffsets& offsets;
@@ -94,68 +94,96 @@ struct FittedSectors {
   std::span<const double> residuals;         ///< px
 };
 
-// Systematic errors that the sectors' scatter does not show: shading and blur unlike the model shift many
-// sectors alike. Both from painted photographs of balls with many looks
-// (tests/host/digitize/outlines_test.cpp), the factor also from 721 images on rendered photographs, whose
-// errors are then 1.05 sd: a limb that is not of the expected shape moves its neighbours alike.
-constexpr double kSdFactor = 1.4;
-constexpr double kFloor_px = 0.01;
-// A blurred edge includes more of the ball's shaded side, which the profile models less well: an error of the
-// order sigma²/radius (the profile is sampled sigma deep, and shading goes as depth over radius), the same
-// all around. Rendered photographs show 2 to 3 times it, painted ones less than 1.
+// What no residual shows, as images of one leg are off alike. A blurred edge includes more of the ball's
+// shaded side, which the profile models less well: an error of the order sigma²/radius (the profile is
+// sampled sigma deep, and shading goes as depth over radius), by 1 to 2 of which whole legs are off on
+// rendered photographs with blurs of 1 to 4 px.
 constexpr double kMisfit = 1.5;
-// Fuzz and shading move all outlines of a photograph in or out alike: 0.025 px of the radius, over 525
-// rendered photographs with 25 looks.
-constexpr double kLimb_px = 0.025;
+// By which law light falls towards the limb is known from one lit sphere to the next within 7 % of what it
+// adds over a blur's width, beside the step at the limb; and within a hundredth of a px, as cloth has no
+// sharp edge: rms of the mean error of a photograph's radii, over tennis, golf and basketballs, both
+// renderers and blurs of 0 to 4 px.
+constexpr double kLimbShare = 0.07;
+constexpr double kFloor_px = 0.01;
 
 using Vector = OutlineVector;
 using Square = OutlineMatrix;
 
+/// How much larger correlation along the outline makes the variance of what many sectors tell: (1 + r)/(1 -
+/// r) where neighbours' residuals are correlated by r and those farther apart by its powers. The fit absorbs
+/// what changes slowly, so that its own residuals are correlated less (Andrews and Monahan 1992).
+double variance_by_correlation(const FittedSectors& sectors) {
+  constexpr double kMaxCorrelation = 0.6;  // more is not told by as few sectors as an arc has
+  const std::vector<double>& weight = sectors.offsets.weight;
+  double squares = 0.0, products = 0.0, count = 0.0, pairs = 0.0;
+  for (std::size_t i = 0; i < weight.size(); ++i) {
+    const std::size_t next = (i + 1) % weight.size();
+    if (weight[i] <= 0.0) continue;
+    squares += weight[i] * sectors.residuals[i] * sectors.residuals[i];
+    count += 1.0;
+    if (weight[next] <= 0.0) continue;
+    products += std::sqrt(weight[i] * weight[next]) * sectors.residuals[i] * sectors.residuals[next];
+    pairs += 1.0;
+  }
+  if (!(squares > 0.0) || pairs < 1.0) return 1.0;
+  const double seen = products / pairs * count / squares;
+  const double absorbed = kOutlineParameters / static_cast<double>(weight.size() + kOutlineParameters);
+  const double correlation = std::clamp(seen + absorbed, 0.0, kMaxCorrelation);
+  return (1.0 + correlation) / (1.0 - correlation);
+}
+
+/// What the limb's curvature adds over a blur's width, over the step at the limb.
+double limb_ratio(const SectorOffsets& offsets) {
+  double step = 0.0, rounding = 0.0;
+  for (std::size_t i = 0; i < offsets.edges.size(); ++i) {
+    step += offsets.weight[i] * offsets.edges[i].step;
+    rounding += offsets.weight[i] * offsets.edges[i].rounding;
+  }
+  return rounding > 0.0 ? std::min(1.0, rounding / std::max(step, 1e-12)) : 0.0;
+}
+
+struct OutlineSd {
+  Square covariance;
+  double shared_radius_px = 0.0;  ///< sd of what all outlines of a photograph are off alike
+};
+
 /// `prior`: precision of what is known before.
-Square outline_covariance(const FittedSectors& sectors, const Square& prior, double sigma_px,
-                          double radius_px) {
-  const int count = static_cast<int>(sectors.gradients.size());
-  // Sectors with correlated errors: texture and seams reach over a few. A longer window underestimates, as
-  // the fit itself absorbs what varies slowly along the outline.
-  constexpr int kReach = 3;
-  std::vector<Vector> score(static_cast<std::size_t>(count));
+OutlineSd outline_covariance(const FittedSectors& sectors, const Square& prior, double sigma_px,
+                             double radius_px) {
+  const std::size_t count = sectors.gradients.size();
+  const SectorOffsets& offsets = sectors.offsets;
   Square slope = prior;
-  for (std::size_t i = 0; i < sectors.gradients.size(); ++i)
-    slope += sectors.offsets.sensitivity[i] * sectors.gradients[i] * sectors.gradients[i].t();
+  for (std::size_t i = 0; i < count; ++i)
+    slope += offsets.sensitivity[i] * sectors.gradients[i] * sectors.gradients[i].t();
   const Square inverse = slope.inv(cv::DECOMP_CHOLESKY);
-  for (int i = 0; i < count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const Vector& g = sectors.gradients[at];
+  Square squares = Square::zeros();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector& g = sectors.gradients[i];
     // Corrects the residual for its own leverage.
-    const double leverage = std::min(0.7, sectors.offsets.weight[at] * g.dot(inverse * g));
-    score[at] = sectors.offsets.weight[at] * sectors.residuals[at] / (1.0 - leverage) * g;
+    const double leverage = std::min(0.7, offsets.weight[i] * g.dot(inverse * g));
+    const Vector score = offsets.weight[i] * sectors.residuals[i] / (1.0 - leverage) * g;
+    squares += score * score.t();
   }
-  Square meat = prior;
-  for (int i = 0; i < count; ++i) {
-    const Vector& here = score[static_cast<std::size_t>(i)];
-    meat += here * here.t();
-    for (int lag = 1; lag < kReach; ++lag) {
-      const Vector& there = score[static_cast<std::size_t>((i + lag) % count)];
-      meat += (1.0 - static_cast<double>(lag) / kReach) * (here * there.t() + there * here.t());
-    }
-  }
-  Square covariance = inverse * meat * inverse * (kSdFactor * kSdFactor);
-  // Errors that adjacent sectors share are not quite shared across the ball; but the terminator lies further
-  // in on all sides.
+  OutlineSd sd;
+  sd.covariance = inverse * (prior + squares * variance_by_correlation(sectors)) * inverse;
+  // Errors that adjacent sectors share beside a shadow are not quite shared across the ball; but the
+  // terminator lies further in on all sides.
   for (int pattern = 0; pattern < 3; ++pattern) {
     const double share = pattern == 0 ? 1.0 : 1.0 / std::numbers::sqrt2;
     Vector pull{};
-    for (std::size_t i = 0; i < sectors.gradients.size(); ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
       const double along = pattern == 0 ? 1.0 : sectors.gradients[i][pattern - 1];
-      pull += sectors.offsets.weight[i] * along * sectors.offsets.common_sd[i] * sectors.gradients[i];
+      pull += offsets.weight[i] * along * offsets.common_sd[i] * sectors.gradients[i];
     }
     const Vector moved = inverse * pull * share;
-    covariance += moved * moved.t();
+    sd.covariance += moved * moved.t();
   }
   const double misfit = kMisfit * sigma_px * sigma_px / radius_px;
-  for (int a = 0; a < 3; ++a) covariance(a, a) += kFloor_px * kFloor_px + misfit * misfit;
-  covariance(2, 2) += kLimb_px * kLimb_px;
-  return covariance;
+  const double limb = kLimbShare * sigma_px * limb_ratio(offsets);
+  sd.shared_radius_px = std::hypot(kFloor_px, limb, misfit);
+  for (int a = 0; a < 2; ++a) sd.covariance(a, a) += misfit * misfit;
+  sd.covariance(2, 2) += sd.shared_radius_px * sd.shared_radius_px;
+  return sd;
 }
 
 constexpr double kMinSigma_px = 0.35;
@@ -216,7 +244,9 @@ class Fit {
     fitted.shape = shape_;
     fitted.sigma_px = sigma_;
     const std::vector<double> left = residuals(change_);
-    fitted.covariance = outline_covariance({offsets_, gradients_, left}, prior(), sigma_, shape_.radius);
+    const OutlineSd sd = outline_covariance({offsets_, gradients_, left}, prior(), sigma_, shape_.radius);
+    fitted.covariance = sd.covariance;
+    fitted.shared_radius_sd_px = sd.shared_radius_px;
     summarize(fitted);
     assert(is_covariance(fitted.covariance));
     return fitted;

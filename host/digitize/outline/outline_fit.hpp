@@ -64,8 +64,10 @@ struct OutlineFitSettings {
 
 struct FittedOutline {
   OutlineShape shape;
-  double sigma_px = 1.0;            ///< sd of the blur
-  OutlineMatrix covariance;         ///< symmetric, positive semi-definite
+  double sigma_px = 1.0;     ///< sd of the blur
+  OutlineMatrix covariance;  ///< symmetric, positive semi-definite
+  /// Of the radius, what all outlines of a photograph are off alike: in the covariance, too.
+  double shared_radius_sd_px = 0.0;
   std::vector<Arc> visible_arcs;    ///< sectors with a weight
   double visible_fraction = 0.0;    ///< of the outline
   double saturated_fraction = 0.0;  ///< of the outline

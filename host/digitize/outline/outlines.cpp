@@ -78,6 +78,7 @@ std::optional<FittedOutline> fit_outline_bagged(const Photograph& photograph, co
   result.shape.oval_sin = of(4);
   result.sigma_px = mean_of(all, [](const FittedOutline& one) { return one.sigma_px; });
   result.rms_px = mean_of(all, [](const FittedOutline& one) { return one.rms_px; });
+  result.shared_radius_sd_px = mean_of(all, [](const FittedOutline& one) { return one.shared_radius_sd_px; });
   result.covariance = covariance_of(all, result.shape);
   return result;
 }
@@ -329,6 +330,7 @@ class OutlineFitter {
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b) outline.covariance(a, b) = fitted.covariance(a, b) * unit[a] * unit[b];
     assert(is_covariance(outline.covariance));
+    outline.shared_diameter_sd_px = 2.0 * fitted.shared_radius_sd_px / scale;
     outline.visible_arcs = fitted.visible_arcs;
     outline.visible_fraction = fitted.visible_fraction;
     outline.rms_px = fitted.rms_px / scale;

@@ -158,7 +158,6 @@ constexpr int kHalfReach = kProfileHalfReach_px;  // to either side of the Hough
 constexpr int kHalfStep = 2;
 constexpr int kBlocks = 12;  // of profiles with correlated errors
 constexpr double kInlier_px = 1.5;
-constexpr double kFloor_px = 0.03;
 
 struct EdgeCrossing {
   cv::Point2d plane;
@@ -264,7 +263,7 @@ void set_sd(const std::vector<EdgeCrossing>& inliers, const Line& line, EdgeLine
     between += sum[b] * sum[b];  // weighted by count²: of the grand mean
   }
   const double grand = std::sqrt(between * std::max(1.0, blocks / std::max(1.0, blocks - 2.0))) / n;
-  edge.sd_px = std::hypot(std::max(grand, edge.rms_px / std::sqrt(n)), kFloor_px);
+  edge.sd_px = std::hypot(std::max(grand, edge.rms_px / std::sqrt(n)), kEdgeFloor_px);
   edge.slope_sd = edge.sd_px * std::sqrt(n / std::max(1.0, sxx));
 }
 

@@ -353,7 +353,7 @@ EdgeLine refine_edge_line(const Photograph& photograph, const PlaneMap& map, con
   EdgeLine refined = edge;
   refined.middle.y += line[0];
   refined.slope = line[1];
-  refined.sd_px = std::sqrt(variance[0]);
+  refined.sd_px = std::hypot(std::sqrt(variance[0]), kEdgeFloor_px);
   refined.slope_sd = std::sqrt(variance[1]);
   return refined;
 }

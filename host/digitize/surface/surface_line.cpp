@@ -32,10 +32,6 @@ constexpr double kMaxReach = 3.0;  ///< of the half length seen
 constexpr double kLowestOfRadius = 0.15;
 // A plate in the middle of which balls are to bounce is no less deep than they are wide on either side.
 constexpr double kDepthOfDiameter = 2.0;
-// The lamps leave the same side of each ball dark, and its limb is of the same felt: 26 photographs' mean
-// errors are .05 px rms on the simulator's renderer and on the independent one, where outlines state .07 to
-// .08 px.
-constexpr double kSharedOfVariance = 0.5;
 constexpr double kOccludedRadii = 1.08;
 // What of an outline is seen so far below a line, in radii and px, is not just pressed flat there.
 constexpr double kBelowOfRadius = 0.06;
@@ -143,13 +139,17 @@ const EdgeLine* other_edge(const EdgeLine& edge, std::span<const EdgeLine> edges
   return other;
 }
 
-/// Sd of what the lowest points of all balls are off alike: heights over the surface are, however many images
-/// there are.
-double shared_sd_px(std::span<const Outline> outlines) {
-  std::vector<double> variances;
+/// Sd of what the lowest points of all balls are off on the average: heights over the surface are, too.
+double lowest_sd_px(std::span<const Outline> outlines) {
+  std::vector<double> variances, shared;
   const cv::Vec3d lowest_by(0.0, 1.0, -0.5);
-  for (const Outline& o : outlines) variances.push_back(lowest_by.dot(o.covariance * lowest_by));
-  return std::sqrt(kSharedOfVariance * std::max(0.0, upper_median(std::move(variances))));
+  for (const Outline& o : outlines) {
+    variances.push_back(lowest_by.dot(o.covariance * lowest_by));
+    shared.push_back(0.5 * o.shared_diameter_sd_px);
+  }
+  const double count = std::max(1.0, static_cast<double>(outlines.size()));
+  return std::hypot(upper_median(std::move(shared)),
+                    std::sqrt(std::max(0.0, upper_median(std::move(variances))) / count));
 }
 
 /// How far light saturates below the edge, at most `reach_px`: the median of what is seen of it.
@@ -274,7 +274,7 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
                                     fmt::format("the surface line is known to {:.1f} px only", best->sd_px)});
   }
   EdgeLine refined = refine_edge_line(photograph, map, occluded, *best);
-  refined.sd_px = std::hypot(refined.sd_px, shared_sd_px(outlines));
+  refined.sd_px = std::hypot(refined.sd_px, lowest_sd_px(outlines));
   best = &refined;
   const EdgeLine* other = other_edge(*best, edges, outlines);
   if (other == nullptr)

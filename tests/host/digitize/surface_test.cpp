@@ -40,7 +40,7 @@ Photograph uneven(Photograph photograph, double row, std::uint64_t seed) {
   cv::RNG random(seed);
   for (int scratch = 0; scratch < 40; ++scratch) {
     const int from = random.uniform(0, kWidth), length = random.uniform(3, 25);
-    const double lighter = random.gaussian(0.03), deep = random.uniform(0.0, 4.0);
+    const double lighter = random.gaussian(0.1), deep = random.uniform(0.0, 4.0);
     for (int x = from; x < std::min(kWidth, from + length); ++x) {
       const int top = static_cast<int>(std::ceil(row + 0.013 * (x - 300) + deep));
       for (int y = top; y < std::min(kHeight, top + 6); ++y)
@@ -112,6 +112,20 @@ TEST(SurfaceLine, IsAsFarFromTheTruthAsItsSdSays) {
     squares += std::pow(height_above(*line, {300.0, kHeight - 1 - row}) / (0.5 * line->sd_px), 2);
   }
   DOUBLES_EQUAL(1.0, std::sqrt(squares / kPictures), 0.4);
+}
+
+TEST(SurfaceLine, IsSeenFromTheBallsAsFarAsAllOfThemAreOffAlike) {
+  const Photograph photograph = stepped({220.3}, 0.01);
+  std::vector<Outline> outlines{ball_at(150.0, 180.0), ball_at(300.0, 102.0), ball_at(420.0, 160.0)};
+  const auto sd_px = [&] {
+    return 0.5 * find_surface_line(photograph, PlaneMap::uncalibrated(kHeight), outlines)->sd_px;
+  };
+  const double without = sd_px();
+  for (Outline& o : outlines) o.covariance(1, 1) = 0.09;
+  // What each ball is off by itself averages out: a third of the variance is left.
+  DOUBLES_EQUAL(std::hypot(without, 0.3 / std::sqrt(3.0)), sd_px(), 1e-9);
+  for (Outline& o : outlines) o.shared_diameter_sd_px = 0.8;
+  DOUBLES_EQUAL(std::hypot(without, 0.3 / std::sqrt(3.0), 0.4), sd_px(), 1e-9);
 }
 
 TEST(SurfaceLine, OfAPlateSeenFromAboveLiesBetweenItsEdgesAndSaysSo) {
