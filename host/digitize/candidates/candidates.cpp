@@ -331,7 +331,12 @@ class Decider {
     const double least = diameter_px * (1.0 - expected_.tolerance - kSizeMargin),
                  most = diameter_px * (1.0 + expected_.tolerance + kSizeMargin);
     if (size->diameter_px >= least && size->diameter_px <= most) {
-      search(decision, *size, expected_.tolerance + kSizeMargin);
+      // What was told says which sizes are balls', too.
+      search(decision,
+             {.diameter_px = size->diameter_px,
+              .least_px = std::min(size->least_px, diameter_px * (1.0 - expected_.tolerance)),
+              .most_px = std::max(size->most_px, diameter_px * (1.0 + expected_.tolerance))},
+             expected_.tolerance + kSizeMargin);
       return true;
     }
     if (size->circles < kMinContradicting ||
