@@ -93,6 +93,8 @@ constexpr double kMaxSdOfDiameter = 0.03;
 // Offsets are sought within two sd of the blur; those of no outline at all lie anywhere there, with an rms of
 // 2/sqrt(3) = 1.15 sd, give or take .1 over 24 sectors.
 constexpr double kMaxRmsOfBlur = 1.0;
+// Where the size is known before.
+constexpr double kPrior_sd = 3.0;
 
 /// A circle in plane px.
 struct PlaneDisc {
@@ -171,6 +173,10 @@ class OutlineFitter {
     });
   }
 
+  double expected_diameter(cv::Point2d centre) const {
+    return *settings_.diameter_px + settings_.diameter_slope * centre.x;
+  }
+
   static void reject(Work& work, Reason reason, std::string detail) {
     work.disc.reset();
     work.rejection = Rejection{reason, std::move(detail)};
@@ -182,8 +188,14 @@ class OutlineFitter {
     work.frame.emplace(map_, candidate.centre_image, 1.3 * candidate.radius_image_px + 10.0);
     CoarseSearch search;
     search.radius_px = candidate.radius_image_px;
-    search.radius_min_px = 0.48 * settings_.diameter_min_px * work.frame->scale();
-    search.radius_max_px = 0.52 * settings_.diameter_max_px * work.frame->scale();
+    double least = settings_.diameter_min_px, most = settings_.diameter_max_px;
+    if (settings_.diameter_px && settings_.diameter_sd_px) {
+      const double expected = expected_diameter(map_.to_plane(candidate.centre_image));
+      least = std::max(least, expected - kPrior_sd * *settings_.diameter_sd_px);
+      most = std::min(most, expected + kPrior_sd * *settings_.diameter_sd_px);
+    }
+    search.radius_min_px = 0.48 * least * work.frame->scale();
+    search.radius_max_px = 0.52 * most * work.frame->scale();
     search.reach_px = std::max(5.0, 0.09 * candidate.radius_image_px);
     work.coarse = find_circle_ransac(photograph_, *work.frame, search);
     if (!work.coarse || work.coarse->support < 0.06) {
@@ -201,6 +213,11 @@ class OutlineFitter {
       const double apart = cv::norm(all[j].disc->centre - all[i].disc->centre);
       if (apart < 1.2 * (all[i].disc->radius + all[j].disc->radius))
         shapes.push_back(shape_of(map_, *works_[i].frame, *all[j].disc));
+    }
+    for (const Outline& o : settings_.neighbours) {
+      const PlaneDisc disc{o.centre, 0.5 * o.diameter};
+      if (cv::norm(disc.centre - all[i].disc->centre) < 1.2 * (all[i].disc->radius + disc.radius))
+        shapes.push_back(shape_of(map_, *works_[i].frame, disc));
     }
     return shapes;
   }
@@ -230,7 +247,7 @@ class OutlineFitter {
       settings.oval_sd = oval_model_->sd();
     }
     if (settings_.diameter_px && settings_.diameter_sd_px) {
-      settings.radius_px = 0.5 * *settings_.diameter_px * work.frame->scale();
+      settings.radius_px = 0.5 * expected_diameter(before[i].disc->centre) * work.frame->scale();
       settings.radius_sd_px = 0.5 * *settings_.diameter_sd_px * work.frame->scale();
     }
     const double sigma = sweep == 0 ? 1.5 : before[i].fitted->sigma_px;

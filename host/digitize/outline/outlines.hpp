@@ -27,10 +27,13 @@ std::optional<FittedOutline> fit_outline_bagged(const Photograph& photograph, co
 struct OutlineSettings {
   double diameter_min_px = 0.0;  ///< plane px
   double diameter_max_px = 0.0;
-  /// The ball's diameter and its sd, where known well enough to help short arcs.
+  /// The ball's diameter at x = 0, how it grows along x, and its sd, where known well enough to help short
+  /// arcs.
   std::optional<double> diameter_px;
+  double diameter_slope = 0.0;
   std::optional<double> diameter_sd_px;
   Effort effort = Effort::standard;
+  std::span<const Outline> neighbours{};  ///< measured before: edges are left to them, too
 };
 
 /// One result for each candidate, in their order. All candidates are fitted together: edges of another
