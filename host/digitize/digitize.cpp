@@ -60,7 +60,10 @@ class Stopwatch {
 // With fewer outlines their common size is too uncertain to reject one by it.
 constexpr std::size_t kMinForRefit = 4;
 constexpr double kInconsistent_sd = 4.0;
-constexpr double kNeighbourOfDiameter = 1.2;
+// Balls of one size differ as much: what lies under a limb moves it.
+constexpr double kSdOfDiameter = 0.02;
+// Nearer to an outline than this lies hardly another.
+constexpr double kSameOfDiameter = 0.2;
 
 class Digitizer {
  public:
@@ -73,9 +76,9 @@ class Digitizer {
     Stopwatch watch(result_.stage_ms);
     const auto candidates = candidates_of_size();
     watch.lap("candidates");
-    std::vector<Outline> outlines =
+    auto [outlines, size] =
         select_by_size(photograph_, map_, fit(candidates), settings_.surface, result_.unmeasured);
-    if (settings_.effort != Effort::fast) refit_inconsistent(outlines);
+    if (settings_.effort != Effort::fast) refit_by_size(outlines, size);
     watch.lap("outlines");
     find_surface(outlines);
     watch.lap("surface");
@@ -144,40 +147,68 @@ class Digitizer {
     return outlines;
   }
 
-  Candidate candidate_at(const Outline& o) const {
-    const cv::Point2d centre = map_.to_image(o.centre);
-    const cv::Point2d side = map_.to_image(o.centre + cv::Point2d(0.5 * o.diameter, 0.0));
-    return {centre, cv::norm(side - centre), o.visible_fraction};
+  Candidate candidate_at(cv::Point2d at, double diameter) const {
+    const cv::Point2d centre = map_.to_image(at);
+    const cv::Point2d side = map_.to_image(at + cv::Point2d(0.5 * diameter, 0.0));
+    return {.centre_image = centre, .radius_image_px = cv::norm(side - centre)};
   }
 
-  /// An outline whose diameter differs from the others' has used another's edge. It is fitted again with a
-  /// prior diameter, together with the neighbours that it shares edges with.
-  void refit_inconsistent(std::vector<Outline>& outlines) {
+  static bool is_known(std::span<const Outline> outlines, cv::Point2d place) {
+    return std::ranges::any_of(outlines, [&](const Outline& o) {
+      return cv::norm(o.centre - place) < kSameOfDiameter * o.diameter;
+    });
+  }
+
+  /// What was left out for its size, or for want of precision, which the others' size may help.
+  std::vector<std::size_t> left_out_by_size(std::span<const Outline> outlines) const {
+    std::vector<std::size_t> places;
+    for (std::size_t i = 0; i < result_.unmeasured.size(); ++i) {
+      const Unmeasured& one = result_.unmeasured[i];
+      const bool by_size = one.why.reason == Reason::imprecise || one.why.reason == Reason::wrong_size;
+      if (by_size && !is_known(outlines, one.centre)) places.push_back(i);
+    }
+    return places;
+  }
+
+  /// An outline whose diameter differs from the others' has used another's edge, and one that was left out
+  /// for it perhaps, too. They are fitted again with the others' size as the prior, and with the others'
+  /// edges left to them.
+  void refit_by_size(std::vector<Outline>& outlines, const SizeModel& size) {
     if (outlines.size() < kMinForRefit) return;
-    const SizeModel size = fit_size_model(outlines);
     const auto inconsistent = [&](const Outline& o) {
       const double sd = std::hypot(o.diameter_sd(), size.sd, size.spread);
       return std::abs(o.diameter - size.at(o.centre.x)) > kInconsistent_sd * sd;
     };
-    std::vector<std::size_t> again;
+    const std::vector<std::size_t> left_out = left_out_by_size(outlines);
     std::vector<Candidate> candidates;
+    for (const std::size_t i : left_out)
+      candidates.push_back(
+          candidate_at(result_.unmeasured[i].centre, size.at(result_.unmeasured[i].centre.x)));
+    std::vector<std::size_t> again;
+    std::vector<Outline> others;
     for (std::size_t i = 0; i < outlines.size(); ++i) {
-      const bool concerned = std::ranges::any_of(outlines, [&](const Outline& o) {
-        return inconsistent(o) &&
-               cv::norm(o.centre - outlines[i].centre) < kNeighbourOfDiameter * size.diameter;
-      });
-      if (!concerned) continue;
+      const Outline& o = outlines[i];
+      if (!inconsistent(o)) others.push_back(o);
+      if (!inconsistent(o)) continue;
       again.push_back(i);
-      candidates.push_back(candidate_at(outlines[i]));
+      candidates.push_back(candidate_at(o.centre, o.diameter));
     }
-    if (again.empty()) return;
     OutlineSettings settings = outline_settings();
-    settings.diameter_px = size.at(0.5 * photograph_.width());
+    settings.diameter_px = size.diameter;
+    settings.diameter_slope = size.slope;
     settings.diameter_sd_px =
-        std::hypot(size.sd, size.spread) + std::abs(size.slope) * 0.5 * photograph_.width();
+        std::max(std::hypot(size.sd, size.spread), kSdOfDiameter * size.at(0.5 * photograph_.width()));
+    settings.neighbours = others;
     const auto fitted = fit_outlines(photograph_, map_, candidates, settings);
     for (std::size_t k = 0; k < again.size(); ++k) {
-      if (fitted[k] && inconsistent(outlines[again[k]])) outlines[again[k]] = *fitted[k];
+      const auto& one = fitted[left_out.size() + k];
+      Outline& before = outlines[again[k]];
+      if (one && one->centre_sd() <= before.centre_sd()) before = *one;
+    }
+    for (std::size_t k = left_out.size(); k-- > 0;) {
+      if (!fitted[k] || is_known(outlines, fitted[k]->centre)) continue;
+      outlines.push_back(*fitted[k]);
+      result_.unmeasured.erase(result_.unmeasured.begin() + static_cast<std::ptrdiff_t>(left_out[k]));
     }
   }
 

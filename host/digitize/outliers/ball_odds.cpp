@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 #include "host/digitize/path/leg_line.hpp"
 
@@ -24,16 +25,28 @@ double log_prior(std::span<const double> log_odds) {
   return prior;
 }
 
-std::vector<double> log_odds_of(std::span<const Outline> outlines, std::span<const LimbAgreement> limbs,
-                                const SizeModel& size) {
+double log_odds_of_size(const Outline& outline, const SizeModel& size) {
   // The path comes nearer, and what lies under a limb moves it: one ball in twenty is not of the others'
   // size.
-  constexpr double kWrongSizeOdds = -3.0;
+  constexpr double kOfAnySize = 0.05;
+  // Outlines of anything are of any size that is sought.
+  constexpr double kRangeOfDiameter = 0.3;
+  // A ball that is compressed, or lit from one side.
+  constexpr double kSdOfDiameter = 0.03;
+  const double expected = size.at(outline.centre.x);
+  const double sd = std::hypot(std::hypot(outline.diameter_sd(), kSdOfDiameter * expected),
+                               std::hypot(size.sd, size.spread));
+  const double z = (outline.diameter - expected) / sd;
+  const double density = std::exp(-0.5 * z * z) / (std::sqrt(2.0 * std::numbers::pi) * sd);
+  return std::log(kOfAnySize + (1.0 - kOfAnySize) * density * kRangeOfDiameter * expected);
+}
+
+std::vector<double> log_odds_of(std::span<const Outline> outlines, std::span<const LimbAgreement> limbs,
+                                const SizeModel& size) {
   assert(outlines.size() == limbs.size());
   std::vector<double> odds;
   for (std::size_t i = 0; i < outlines.size(); ++i)
-    odds.push_back(limbs[i].log_odds +
-                   kWrongSizeOdds * std::clamp(size_difference(outlines[i], size) - 1.0, 0.0, 1.0));
+    odds.push_back(limbs[i].log_odds + log_odds_of_size(outlines[i], size));
   const double prior = log_prior(odds);
   for (double& one : odds) one += prior;
   return odds;

@@ -20,6 +20,9 @@ double probability(double log_odds);
 /// what each one's own say (expectation maximization from one ball and one other thing beside them).
 double log_prior(std::span<const double> log_odds);
 
+/// What it adds that its diameter is the ball's or not, as far as both are known.
+double log_odds_of_size(const Outline& outline, const SizeModel& size);
+
 /// By limb and size, with the prior; one for each outline, in their order.
 std::vector<double> log_odds_of(std::span<const Outline> outlines, std::span<const LimbAgreement> limbs,
                                 const SizeModel& size);

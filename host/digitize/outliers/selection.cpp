@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -18,9 +19,6 @@ namespace strobe::digitize {
 namespace {
 
 constexpr std::size_t kMinForSlope = 5;
-// A ball that is compressed, or lit from one side, may differ this much.
-constexpr double kToleranceOfDiameter = 0.03;
-constexpr double kTolerance_sd = 5.0;
 
 double median_slope(std::span<const Outline> outlines) {
   std::vector<double> slopes;
@@ -70,20 +68,12 @@ SizeModel fit_size_model(std::span<const Outline> outlines) {
   return size;
 }
 
-double size_difference(const Outline& outline, const SizeModel& size) {
-  const double expected = size.at(outline.centre.x);
-  const double allowed = std::max(kToleranceOfDiameter * expected,
-                                  kTolerance_sd * std::hypot(outline.diameter_sd(), size.sd, size.spread));
-  return std::abs(outline.diameter - expected) / allowed;
-}
-
 namespace {
 
+// More likely than not.
+constexpr double kLikely = 0.5;
 constexpr std::size_t kMinImages = 4;
 constexpr double kCloseOfStep = 0.5;
-// A true image that another hides by half agrees with a ball's limb less well, under ambient light by a
-// quarter.
-constexpr double kClearDifference = 0.35;
 // Of the median interval, where the flashes' times are not known: trains that tell their flashes apart by
 // unequal intervals have none shorter, and neither lamp flashes that fast again. An outline that near to
 // another borrows most of its limb, and its quality.
@@ -113,7 +103,7 @@ class PathLeg {
       if (apart >= kCloseOfStep * typical || (nearest && apart >= nearest->distance_px)) continue;
       const auto pair = worse_first(members_[k - 1], members_[k]);
       const bool impossible = apart < kCloseOfStep * shortest_interval * typical;
-      if (!impossible && quality_of(pair.second) - quality_of(pair.first) < kClearDifference) continue;
+      if (!impossible && quality_of(pair.first) >= kLikely) continue;
       nearest = TooClose{pair.first, pair.second, apart};
     }
     if (nearest) std::erase(members_, nearest->index);
@@ -171,16 +161,21 @@ namespace {
 constexpr double kFlashVariance = 0.04, kVariancePerDiameter = 0.05;
 // Ambient light between two flashes: from a twentieth to a quarter of a flash's.
 constexpr double kGhostMean = -2.0, kGhostSd = 0.6;
+// Of one ball in twenty another thing, as light as itself, hides more or less of the limb: of 1506 images on
+// altered renders 9 % show less than .8 of the next one's, 2 % less than half.
+constexpr double kHidden = 0.05, kRangeOfHidden = 3.0;
 // What looks most like a ball may be a ghost that is bright.
-constexpr double kMaxOdds = 3.0;
+constexpr double kMaxOdds = 2.0;
 
 /// log(p / (1 - p)) that a disc of that share of a ball's light is a ball's.
 double log_odds_of_share(double share, double apart_of_diameter) {
   const double variance = kFlashVariance + kVariancePerDiameter * apart_of_diameter;
   const double log_share = std::min(0.0, std::log(std::max(share, 1e-3)));
+  const double sqrt_2pi = std::sqrt(2.0 * std::numbers::pi);
   const double as_ghost = std::max(0.0, log_share - kGhostMean) / kGhostSd;
-  return 0.5 * (as_ghost * as_ghost - log_share * log_share / variance) +
-         std::log(kGhostSd / std::sqrt(variance));
+  const double ghost = std::exp(-0.5 * as_ghost * as_ghost) / (sqrt_2pi * kGhostSd);
+  const double ball = std::exp(-0.5 * log_share * log_share / variance) / (sqrt_2pi * std::sqrt(variance));
+  return std::log((kHidden / kRangeOfHidden + (1.0 - kHidden) * ball) / ghost);
 }
 
 /// Median over the directions, as lamps stand still and light both alike: what crosses a limb disturbs a few
@@ -248,7 +243,7 @@ std::vector<Outline> certain_balls(const std::vector<Outline>& outlines,
 
 void reject_unlikely(std::vector<Unmeasured>& rejected, const Outline& o, const LimbAgreement& limb,
                      const SizeModel& size) {
-  if (size_difference(o, size) > 1.0)
+  if (log_odds_of_size(o, size) < 0.0)
     reject(
         rejected, o, Reason::wrong_size,
         fmt::format("{:.1f} px, where the ball's images agree on {:.1f}", o.diameter, size.at(o.centre.x)));
@@ -309,11 +304,14 @@ class PathSelection {
   void reject_ghosts() {
     std::vector<int> members = path_.contact;
     for (const auto& leg : path_.legs) members.insert(members.end(), leg.begin(), leg.end());
+    // Size and path say nothing: a ghost is of the ball's.
+    std::vector<double> by_limb;
+    for (const int i : members) by_limb.push_back(limbs_[static_cast<std::size_t>(i)].log_odds);
+    const double prior = log_prior(by_limb);
     std::vector<LitDisc> discs;
-    for (const int i : members) {
-      const Outline& o = outlines_[static_cast<std::size_t>(i)];
-      const LimbAgreement& limb = limbs_[static_cast<std::size_t>(i)];
-      discs.push_back({o.centre, o.diameter, limb.limb, odds_[static_cast<std::size_t>(i)]});
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      const auto i = static_cast<std::size_t>(members[k]);
+      discs.push_back({outlines_[i].centre, outlines_[i].diameter, limbs_[i].limb, by_limb[k] + prior});
     }
     for (const Ghost& ghost : find_ghosts(discs)) {
       const int index = members[static_cast<std::size_t>(ghost.index)];
@@ -329,7 +327,7 @@ class PathSelection {
   void reject_too_close(std::span<const double> flash_times_s) {
     if (path_.straight) return;
     std::vector<double> quality;
-    for (const LimbAgreement& limb : limbs_) quality.push_back(limb.agreement);
+    for (const Outline& o : outlines_) quality.push_back(o.probability);
     for (const TooClose& c : find_too_close(path_, points_, quality, flash_times_s))
       drop(c.index, Reason::duplicate,
            fmt::format("{:.1f} px from a better image: nearer than the ball's steps allow", c.distance_px));
@@ -342,7 +340,7 @@ class PathSelection {
       const auto at = static_cast<std::size_t>(i);
       const bool led_to = !touches(points_[at].at.y, points_[at].sd_px, context_);
       if (!led_to) outlines_[at].probability = probability(odds_[at]);
-      if (outlines_[at].probability < 0.5)
+      if (outlines_[at].probability < kLikely)
         drop(i, Reason::few_edges, "arcs near the surface, rather than a ball in contact");
     }
   }
@@ -373,20 +371,20 @@ class PathSelection {
 
 }  // namespace
 
-std::vector<Outline> select_by_size(const Photograph& photograph, const PlaneMap& map,
-                                    std::vector<Outline> outlines, const std::optional<SurfaceLine>& surface,
-                                    std::vector<Unmeasured>& rejected) {
-  if (outlines.empty()) return outlines;
+SelectedBySize select_by_size(const Photograph& photograph, const PlaneMap& map,
+                              std::vector<Outline> outlines, const std::optional<SurfaceLine>& surface,
+                              std::vector<Unmeasured>& rejected) {
+  if (outlines.empty()) return {};
   const auto limbs = compare_limbs(photograph, map, outlines, surface);
-  const SizeModel size = fit_size_model(certain_balls(outlines, limbs));
-  const std::vector<double> odds = log_odds_of(outlines, limbs, size);
-  std::vector<Outline> selected;
+  SelectedBySize selected;
+  selected.size = fit_size_model(certain_balls(outlines, limbs));
+  const std::vector<double> odds = log_odds_of(outlines, limbs, selected.size);
   for (std::size_t i = 0; i < outlines.size(); ++i) {
     Outline& o = outlines[i];
     if (probability(odds[i] + log_odds_of_path(o, photograph, map)) >= kMinProbability)
-      selected.push_back(std::move(o));
+      selected.outlines.push_back(std::move(o));
     else
-      reject_unlikely(rejected, o, limbs[i], size);
+      reject_unlikely(rejected, o, limbs[i], selected.size);
   }
   return selected;
 }

@@ -32,9 +32,6 @@ struct SizeModel {
 /// Median diameter, with the median slope from 5 outlines on (Theil 1950, Sen 1968). At least one outline.
 SizeModel fit_size_model(std::span<const Outline> outlines);
 
-/// Of the outline's diameter from the ball's, over the largest that texture, light and the sds explain.
-double size_difference(const Outline& outline, const SizeModel& size);
-
 // Images of a leg that are too close to each other: the ball is at one place at a time and flies as steadily
 // as the lamps flash. Deterministic; thread-safe; allocates.
 
@@ -44,12 +41,13 @@ struct TooClose {
   double distance_px = 0.0;
 };
 
-/// Of two neighbours less than half the leg's median step apart, the one of clearly less `quality` (0 to 1,
-/// as steps may be unequal on purpose). If the flashes' times are known, and no two of them are close enough
-/// to explain it, the one of less quality however little; if they are not known, so on straight legs where a
-/// step is less than a tenth of the median one. Legs of fewer than 4 images are not checked.
+/// Of two neighbours less than half the leg's median step apart, the one of less `probability` if it is
+/// rather no ball, as steps may be unequal on purpose. If the flashes' times are known, and no two of them
+/// are close enough to explain it, in any case; if they are not known, so on straight legs where a step is
+/// less than a tenth of the median one. Legs of fewer than 4 images are not checked.
 std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint> points,
-                                     std::span<const double> quality, std::span<const double> flash_times_s);
+                                     std::span<const double> probability,
+                                     std::span<const double> flash_times_s);
 
 // Discs that ambient light draws along the ball's path between two flashes: dim, and crowded against the
 // images that the flashes made. Deterministic; thread-safe; allocates.
@@ -70,10 +68,15 @@ struct Ghost {
 /// certain ball that is no ghost itself.
 std::vector<Ghost> find_ghosts(std::span<const LitDisc> discs);
 
+struct SelectedBySize {
+  std::vector<Outline> outlines;
+  SizeModel size;  ///< of the certain balls; of no outlines none
+};
+
 /// Leaves out what limb and size say is no ball, even should a path lead to it.
-std::vector<Outline> select_by_size(const Photograph& photograph, const PlaneMap& map,
-                                    std::vector<Outline> outlines, const std::optional<SurfaceLine>& surface,
-                                    std::vector<Unmeasured>& rejected);
+SelectedBySize select_by_size(const Photograph& photograph, const PlaneMap& map,
+                              std::vector<Outline> outlines, const std::optional<SurfaceLine>& surface,
+                              std::vector<Unmeasured>& rejected);
 
 /// Likewise, then what lies off the path, ghosts, what is nearer than steps allow, and doubtful contacts.
 /// Sets each outline's probability.

@@ -78,19 +78,17 @@ TEST(BallSize, ThatDiffersFromBallToBallHasASpreadBesideTheOutlinesOwnSd) {
   for (std::size_t k = 0; k < more.size(); ++k) bent[k].diameter += more[k];
   const SizeModel size = fit_size_model(bent);
   DOUBLES_EQUAL(1.4826 * 8.0, size.spread, 0.01);
-  for (const Outline& outline : bent) CHECK_TRUE(size_difference(outline, size) < 1.0);
+  for (const Outline& outline : bent) CHECK_TRUE(log_odds_of_size(outline, size) > 0.0);
 }
 
-TEST(BallSize, IsWrongBeyondThreePerCentOrFiveSd) {
-  SizeModel size{260.0, 0.0, 0.3};
-  CHECK_TRUE(size_difference(ball_at(0.0, 260.0 * 1.029), size) < 1.0);
-  CHECK_TRUE(size_difference(ball_at(0.0, 260.0 * 1.031), size) > 1.0);
-  CHECK_TRUE(size_difference(ball_at(0.0, 260.0 * 0.969), size) > 1.0);
-  // sd 4 of the outline and 3 of the size: together 5, so that 25 px are allowed.
-  size.sd = 3.0;
-  CHECK_TRUE(size_difference(ball_at(0.0, 260.0 + 24.5, 4.0), size) < 1.0);
-  CHECK_TRUE(size_difference(ball_at(0.0, 260.0 + 25.5, 4.0), size) > 1.0);
-  CHECK_TRUE(size_difference(ball_at(0.0, 260.0 - 25.5, 4.0), size) > 1.0);
+TEST(BallSize, SpeaksForABallAsFarAsBothAreKnown) {
+  const SizeModel size{260.0, 0.0, 0.3};
+  const double sure = log_odds_of_size(ball_at(0.0, 260.0), size);
+  CHECK_TRUE(sure > 0.0);
+  CHECK_TRUE(log_odds_of_size(ball_at(0.0, 260.0, 20.0), size) < sure);
+  // An outline of which the size is hardly known is hardly of another one.
+  CHECK_TRUE(log_odds_of_size(ball_at(0.0, 290.0, 20.0), size) > log_odds_of_size(ball_at(0.0, 290.0), size));
+  DOUBLES_EQUAL(log_odds_of_size(ball_at(0.0, 250.0), size), log_odds_of_size(ball_at(0.0, 270.0), size), 1e-9);
 }
 
 namespace {
@@ -127,7 +125,7 @@ std::vector<TooClose> too_close(const Row& r, std::span<const double> times_s = 
 TEST_GROUP(Crowding){};
 
 TEST(Crowding, FindsTheOneThatIsLessOfABall) {
-  const auto found = too_close(row(330.0, 0.6));
+  const auto found = too_close(row(330.0, 0.4));
   LONGS_EQUAL(1, found.size());
   LONGS_EQUAL(4, found[0].index);
   LONGS_EQUAL(3, found[0].neighbour);
@@ -156,7 +154,7 @@ TEST(Crowding, IsCertainWhereTheFlashesAreEven) {
 
 TEST(Crowding, OfAShortLegIsNotTold) {
   Row r;
-  for (const double x : {0.0, 100.0, 110.0}) r.add(x, x == 110.0 ? 0.6 : 0.95);
+  for (const double x : {0.0, 100.0, 110.0}) r.add(x, x == 110.0 ? 0.4 : 0.95);
   LONGS_EQUAL(0, too_close(r).size());
 }
 
@@ -252,11 +250,11 @@ TEST(BallOdds, FallSteadilyWithTheDifferenceInSize) {
   const auto odds = [&](double diameter) {
     return log_odds_of(std::vector{ball_at(0.0, 260.0), ball_at(0.0, diameter)}, limbs, size)[1];
   };
-  // Differences up to 3 % say nothing, from 6 % on an outline is one of another size.
-  DOUBLES_EQUAL(odds(260.0), odds(260.0 * 1.029), 1e-12);
-  CHECK_TRUE(odds(260.0 * 1.04) < odds(260.0 * 1.03));
-  CHECK_TRUE(odds(260.0 * 1.05) < odds(260.0 * 1.04));
-  DOUBLES_EQUAL(odds(260.0 * 1.061), odds(260.0 * 1.11), 1e-12);
+  CHECK_TRUE(odds(260.0 * 1.03) < odds(260.0));
+  CHECK_TRUE(odds(260.0 * 1.05) < odds(260.0 * 1.03));
+  // Far off it is one of another size: one ball in twenty, at most.
+  CHECK_TRUE(odds(260.0 * 1.4) < odds(260.0 * 1.05));
+  DOUBLES_EQUAL(odds(260.0 * 1.4), odds(260.0 * 2.0), 1e-3);
 }
 
 TEST(BallOdds, RiseOnALegTheMoreTheBetterTheCentreIsKnown) {
