@@ -62,6 +62,7 @@ constexpr std::size_t kMinForRefit = 4;
 constexpr double kInconsistent_sd = 4.0;
 // Balls of one size differ as much: what lies under a limb moves it.
 constexpr double kSdOfDiameter = 0.02;
+constexpr std::size_t kMinOfLostLeg = 3;  // on a line they are a leg
 // Nearer to an outline than this lies hardly another.
 constexpr double kSameOfDiameter = 0.2;
 
@@ -85,10 +86,17 @@ class Digitizer {
     const Digitization before = result_;
     follow_path(outlines);
     if (passes_surface()) {
-      result_ = before;
-      surface_.reset();
-      result_.no_surface = {Reason::no_plate, "the ball flies straight on through the edge that was found"};
-      follow_path(outlines);
+      follow_path_without_surface(before, outlines,
+                                  "the ball flies straight on through the edge that was found");
+    } else if (surface_ && !settings_.surface && off_path(result_) >= off_path(before) + kMinOfLostLeg) {
+      // An edge that is not the surface's lets no second leg meet the first one there.
+      Digitization with = result_;
+      const auto surface = surface_;
+      follow_path_without_surface(before, outlines, "the ball does not bounce on the edge that was found");
+      if (result_.outlines.size() < with.outlines.size() + kMinOfLostLeg) {
+        result_ = std::move(with);
+        surface_ = surface;
+      }
     }
     tell_hidden();
     measure_scale();
@@ -263,6 +271,19 @@ class Digitizer {
     result_.outlines = select_by_path(photograph_, map_, outlines, surface_, settings_, result_.unmeasured);
     fill_frame();
     order_images(result_.frame, result_.outlines, settings_, result_.remarks);
+  }
+
+  static std::size_t off_path(const Digitization& digitization) {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        digitization.unmeasured, [](const Unmeasured& u) { return u.why.reason == Reason::off_path; }));
+  }
+
+  void follow_path_without_surface(const Digitization& before, const std::vector<Outline>& outlines,
+                                   const char* why) {
+    result_ = before;
+    surface_.reset();
+    result_.no_surface = {Reason::no_plate, why};
+    follow_path(outlines);
   }
 
   /// A line that was found may be the edge of anything, as of a lawn. On a real surface the path of a ball in

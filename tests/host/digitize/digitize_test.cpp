@@ -200,6 +200,18 @@ TEST(Digitize, TakesNoEdgeForASurfaceThatTheBallFliesOnThrough) {
   CHECK(given && given->frame.images.front().leg == Leg::contact);
 }
 
+TEST(Digitize, TakesNoEdgeForASurfaceThatLeavesOneOfTwoLegs) {
+  // The ball bounces well above the edge, on something that does not show.
+  std::vector<Placed> images;
+  for (Placed image : bounce()) {
+    image.centre.y += 60.0;
+    if (image.leg != Leg::contact) images.push_back(image);
+  }
+  const auto found = digitize::digitize(painter::paint(picture(images)), settings());
+  CHECK(found && found->no_surface);
+  LONGS_EQUAL(10, found->frame.images.size());
+}
+
 TEST(Digitize, SaysThatAPhotographOfACameraOnItsSideIsNotTurned) {
   digitize::Photograph photograph = painter::paint(picture(bounce()));
   const auto upright = digitize::digitize(photograph, settings());
