@@ -13,6 +13,7 @@
 #include "host/digitize/outliers/selection.hpp"
 #include "host/digitize/outline/outlines.hpp"
 #include "host/digitize/path/image_order.hpp"
+#include "host/digitize/refit.hpp"
 #include "host/digitize/surface/surface_line.hpp"
 #include "host/digitize/transfer/transfer_curve.hpp"
 
@@ -57,14 +58,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// With fewer outlines their common size is too uncertain to reject one by it.
-constexpr std::size_t kMinForRefit = 4;
-constexpr double kInconsistent_sd = 4.0;
-// Balls of one size differ as much: what lies under a limb moves it.
-constexpr double kSdOfDiameter = 0.02;
 constexpr std::size_t kMinOfLostLeg = 3;  // on a line they are a leg
-// Nearer to an outline than this lies hardly another.
-constexpr double kSameOfDiameter = 0.2;
 
 class Digitizer {
  public:
@@ -79,7 +73,8 @@ class Digitizer {
     watch.lap("candidates");
     auto [outlines, size] =
         select_by_size(photograph_, map_, fit(candidates), settings_.surface, result_.unmeasured);
-    if (settings_.effort != Effort::fast) refit_by_size(outlines, size);
+    if (settings_.effort != Effort::fast)
+      refit_by_size(photograph_, map_, outline_settings(), size, outlines, result_.unmeasured);
     watch.lap("outlines");
     find_surface(outlines);
     watch.lap("surface");
@@ -153,71 +148,6 @@ class Digitizer {
             {map_.to_plane(candidates[i].centre_image), expected_px_, "image", fitted[i].error()});
     }
     return outlines;
-  }
-
-  Candidate candidate_at(cv::Point2d at, double diameter) const {
-    const cv::Point2d centre = map_.to_image(at);
-    const cv::Point2d side = map_.to_image(at + cv::Point2d(0.5 * diameter, 0.0));
-    return {.centre_image = centre, .radius_image_px = cv::norm(side - centre)};
-  }
-
-  static bool is_known(std::span<const Outline> outlines, cv::Point2d place) {
-    return std::ranges::any_of(outlines, [&](const Outline& o) {
-      return cv::norm(o.centre - place) < kSameOfDiameter * o.diameter;
-    });
-  }
-
-  /// What was left out for its size, or for want of precision, which the others' size may help.
-  std::vector<std::size_t> left_out_by_size(std::span<const Outline> outlines) const {
-    std::vector<std::size_t> places;
-    for (std::size_t i = 0; i < result_.unmeasured.size(); ++i) {
-      const Unmeasured& one = result_.unmeasured[i];
-      const bool by_size = one.why.reason == Reason::imprecise || one.why.reason == Reason::wrong_size;
-      if (by_size && !is_known(outlines, one.centre)) places.push_back(i);
-    }
-    return places;
-  }
-
-  /// An outline whose diameter differs from the others' has used another's edge, and one that was left out
-  /// for it perhaps, too. They are fitted again with the others' size as the prior, and with the others'
-  /// edges left to them.
-  void refit_by_size(std::vector<Outline>& outlines, const SizeModel& size) {
-    if (outlines.size() < kMinForRefit) return;
-    const auto inconsistent = [&](const Outline& o) {
-      const double sd = std::hypot(o.diameter_sd(), size.sd, size.spread);
-      return std::abs(o.diameter - size.at(o.centre.x)) > kInconsistent_sd * sd;
-    };
-    const std::vector<std::size_t> left_out = left_out_by_size(outlines);
-    std::vector<Candidate> candidates;
-    for (const std::size_t i : left_out)
-      candidates.push_back(
-          candidate_at(result_.unmeasured[i].centre, size.at(result_.unmeasured[i].centre.x)));
-    std::vector<std::size_t> again;
-    std::vector<Outline> others;
-    for (std::size_t i = 0; i < outlines.size(); ++i) {
-      const Outline& o = outlines[i];
-      if (!inconsistent(o)) others.push_back(o);
-      if (!inconsistent(o)) continue;
-      again.push_back(i);
-      candidates.push_back(candidate_at(o.centre, o.diameter));
-    }
-    OutlineSettings settings = outline_settings();
-    settings.diameter_px = size.diameter;
-    settings.diameter_slope = size.slope;
-    settings.diameter_sd_px =
-        std::max(std::hypot(size.sd, size.spread), kSdOfDiameter * size.at(0.5 * photograph_.width()));
-    settings.neighbours = others;
-    const auto fitted = fit_outlines(photograph_, map_, candidates, settings);
-    for (std::size_t k = 0; k < again.size(); ++k) {
-      const auto& one = fitted[left_out.size() + k];
-      Outline& before = outlines[again[k]];
-      if (one && one->centre_sd() <= before.centre_sd()) before = *one;
-    }
-    for (std::size_t k = left_out.size(); k-- > 0;) {
-      if (!fitted[k] || is_known(outlines, fitted[k]->centre)) continue;
-      outlines.push_back(*fitted[k]);
-      result_.unmeasured.erase(result_.unmeasured.begin() + static_cast<std::ptrdiff_t>(left_out[k]));
-    }
   }
 
   void find_surface(std::span<const Outline> outlines) {

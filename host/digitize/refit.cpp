@@ -1,0 +1,85 @@
+#include "host/digitize/refit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace strobe::digitize {
+namespace {
+
+// With fewer outlines their common size is too uncertain to reject one by it.
+constexpr std::size_t kMinForRefit = 4;
+constexpr double kInconsistent_sd = 4.0;
+// Balls of one size differ as much: what lies under a limb moves it.
+constexpr double kSdOfDiameter = 0.02;
+// Nearer to an outline than this lies hardly another.
+constexpr double kSameOfDiameter = 0.2;
+
+Candidate candidate_at(const PlaneMap& map, cv::Point2d at, double diameter) {
+  const cv::Point2d centre = map.to_image(at);
+  const cv::Point2d side = map.to_image(at + cv::Point2d(0.5 * diameter, 0.0));
+  return {.centre_image = centre, .radius_image_px = cv::norm(side - centre)};
+}
+
+bool is_known(std::span<const Outline> outlines, cv::Point2d place) {
+  return std::ranges::any_of(
+      outlines, [&](const Outline& o) { return cv::norm(o.centre - place) < kSameOfDiameter * o.diameter; });
+}
+
+/// What was left out for its size, or for want of precision, which the others' size may help.
+std::vector<std::size_t> left_out_by_size(std::span<const Unmeasured> unmeasured,
+                                          std::span<const Outline> outlines) {
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < unmeasured.size(); ++i) {
+    const Unmeasured& one = unmeasured[i];
+    const bool by_size = one.why.reason == Reason::imprecise || one.why.reason == Reason::wrong_size;
+    if (by_size && !is_known(outlines, one.centre)) places.push_back(i);
+  }
+  return places;
+}
+
+bool is_inconsistent(const Outline& o, const SizeModel& size) {
+  const double sd = std::hypot(o.diameter_sd(), size.sd, size.spread);
+  return std::abs(o.diameter - size.at(o.centre.x)) > kInconsistent_sd * sd;
+}
+
+}  // namespace
+
+void refit_by_size(const Photograph& photograph, const PlaneMap& map, OutlineSettings settings,
+                   const SizeModel& size, std::vector<Outline>& outlines,
+                   std::vector<Unmeasured>& unmeasured) {
+  if (outlines.size() < kMinForRefit) return;
+  const std::vector<std::size_t> left_out = left_out_by_size(unmeasured, outlines);
+  std::vector<Candidate> candidates;
+  for (const std::size_t i : left_out)
+    candidates.push_back(candidate_at(map, unmeasured[i].centre, size.at(unmeasured[i].centre.x)));
+  std::vector<std::size_t> again;
+  std::vector<Outline> others;
+  for (std::size_t i = 0; i < outlines.size(); ++i) {
+    const Outline& o = outlines[i];
+    if (!is_inconsistent(o, size)) {
+      others.push_back(o);
+      continue;
+    }
+    again.push_back(i);
+    candidates.push_back(candidate_at(map, o.centre, o.diameter));
+  }
+  settings.diameter_px = size.diameter;
+  settings.diameter_slope = size.slope;
+  settings.diameter_sd_px =
+      std::max(std::hypot(size.sd, size.spread), kSdOfDiameter * size.at(0.5 * photograph.width()));
+  settings.neighbours = others;
+  const auto fitted = fit_outlines(photograph, map, candidates, settings);
+  for (std::size_t k = 0; k < again.size(); ++k) {
+    const auto& one = fitted[left_out.size() + k];
+    Outline& before = outlines[again[k]];
+    if (one && one->centre_sd() <= before.centre_sd()) before = *one;
+  }
+  for (std::size_t k = left_out.size(); k-- > 0;) {
+    if (!fitted[k] || is_known(outlines, fitted[k]->centre)) continue;
+    outlines.push_back(*fitted[k]);
+    unmeasured.erase(unmeasured.begin() + static_cast<std::ptrdiff_t>(left_out[k]));
+  }
+}
+
+}  // namespace strobe::digitize
