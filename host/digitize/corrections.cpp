@@ -158,6 +158,7 @@ class Editor {
     const auto& c = *image.centre_cov_px2;
     const double d = image.diameter_sd_px.value_or(0.0);
     outline.covariance = cv::Matx33d(c[0], c[1], 0.0, c[2], c[3], 0.0, 0.0, 0.0, d * d);
+    outline.shared_diameter_sd_px = 0.0;
   }
 
   void change(std::size_t index, const ManualMeasurement& m) {

@@ -78,21 +78,8 @@ class Digitizer {
     watch.lap("outlines");
     find_surface(outlines);
     watch.lap("surface");
-    const Digitization before = result_;
-    follow_path(outlines);
-    if (passes_surface()) {
-      follow_path_without_surface(before, outlines,
-                                  "the ball flies straight on through the edge that was found");
-    } else if (surface_ && !settings_.surface && off_path(result_) >= off_path(before) + kMinOfLostLeg) {
-      // An edge that is not the surface's lets no second leg meet the first one there.
-      Digitization with = result_;
-      const auto surface = surface_;
-      follow_path_without_surface(before, outlines, "the ball does not bounce on the edge that was found");
-      if (result_.outlines.size() < with.outlines.size() + kMinOfLostLeg) {
-        result_ = std::move(with);
-        surface_ = surface;
-      }
-    }
+    find_path(outlines);
+    tell_surface();
     tell_hidden();
     measure_scale();
     watch.lap("path");
@@ -159,16 +146,21 @@ class Digitizer {
       return;
     }
     surface_ = *found;
-    if (found->hidden_px > 0.0)
+  }
+
+  /// What the operator is to know of a line that was found.
+  void tell_surface() {
+    if (!surface_ || settings_.surface) return;
+    if (surface_->hidden_px > 0.0)
       result_.remarks.push_back(fmt::format(
           "the plate is so light that its near edge, up to {:.1f} px below the far one, may not show: "
           "the surface is known to {:.1f} px; light the plate less, or calibrate it",
-          found->hidden_px, 0.5 * found->sd_px));
-    if (found->edge_separation_px > 0.0)
+          surface_->hidden_px, 0.5 * surface_->sd_px));
+    if (surface_->edge_separation_px > 0.0)
       result_.remarks.push_back(
           fmt::format("the plate shows two edges {:.1f} px apart: the surface is taken "
                       "to be half-way, give or take {:.1f} px; calibrate it",
-                      found->edge_separation_px, 0.5 * found->sd_px));
+                      surface_->edge_separation_px, 0.5 * surface_->sd_px));
   }
 
   void fill_frame() {
@@ -195,6 +187,22 @@ class Digitizer {
       image.source = "auto";
       frame.images.push_back(std::move(image));
     }
+  }
+
+  void find_path(const std::vector<Outline>& outlines) {
+    const Digitization before = result_;
+    follow_path(outlines);
+    if (passes_surface())
+      return follow_path_without_surface(before, outlines,
+                                         "the ball flies straight on through the edge that was found");
+    if (!surface_ || settings_.surface || off_path(result_) < kMinOfLostLeg) return;
+    // An edge that is not the surface's lets no second leg meet the first one there.
+    Digitization with = result_;
+    const auto surface = surface_;
+    follow_path_without_surface(before, outlines, "the ball does not bounce on the edge that was found");
+    if (result_.outlines.size() >= with.outlines.size() + kMinOfLostLeg) return;
+    result_ = std::move(with);
+    surface_ = surface;
   }
 
   void follow_path(const std::vector<Outline>& outlines) {
@@ -359,16 +367,16 @@ Digitization digitize_small_or_large(const Photograph& photograph, const Digitiz
     diameter_px = digitization->scale->diameter_px;
   }
   const cv::Point2d middle(0.5 * photograph.width(), 0.5 * photograph.height());
-  const bool small = diameter_px * map.image_px_per_plane_px(middle) < kSmall_px;
+  const double seen_px = diameter_px * map.image_px_per_plane_px(middle);
   const double pixels = static_cast<double>(photograph.width()) * photograph.height();
-  if (small && 4.0 * pixels <= kMaxEnlargedPixels)
+  if (seen_px < kSmall_px && 4.0 * pixels <= kMaxEnlargedPixels)
     digitization = digitize_light(enlarged(photograph, 2), map.on_enlarged(2.0), settings, false);
   if (!digitization) digitization = digitize_light(photograph, map, settings, true);
-  if (small)
+  if (seen_px < kSmall_px && !digitization->outlines.empty())
     digitization->remarks.push_back(
         fmt::format("a ball {:.0f} px wide is small: of images that overlap some may be missed, from {:.0f} "
                     "px on hardly any",
-                    diameter_px, kSmall_px));
+                    seen_px, kSmall_px));
   return std::move(*digitization);
 }
 

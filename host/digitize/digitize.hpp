@@ -32,7 +32,7 @@ struct DigitizeSettings : FlightFacts {
   std::optional<SurfaceLine> surface;  ///< calibrated; absent: found from the plate
   Effort effort = Effort::standard;
   /// Whether a line is drawn around the ball's equator. Without one none is looked for: seams, panels and
-  /// print tell no spin.
+  /// print tell no spin. Nor is one on balls of fewer than 30 image px, which are measured at twice the size.
   bool line_drawn = true;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <span>
 
 namespace strobe::digitize {
@@ -9,9 +10,11 @@ namespace {
 
 // With fewer outlines their common size is too uncertain to reject one by it.
 constexpr std::size_t kMinForRefit = 4;
+// Beyond what chance and common wear of balls make of one in a few thousand.
 constexpr double kInconsistent_sd = 4.0;
-// Balls of one size differ as much: what lies under a limb moves it.
-constexpr double kSdOfDiameter = 0.02;
+// Of the others' size as the prior, at least: what lies under a limb moves it, and sizes do not change evenly
+// along a path.
+constexpr double kPriorOfDiameter = 0.02;
 // Nearer to an outline than this lies hardly another.
 constexpr double kSameOfDiameter = 0.2;
 
@@ -66,8 +69,8 @@ void refit_by_size(const Photograph& photograph, const PlaneMap& map, OutlineSet
   }
   settings.diameter_px = size.diameter;
   settings.diameter_slope = size.slope;
-  settings.diameter_sd_px =
-      std::max(std::hypot(size.sd, size.spread), kSdOfDiameter * size.at(0.5 * photograph.width()));
+  const cv::Point2d middle = map.to_plane({0.5 * photograph.width(), 0.5 * photograph.height()});
+  settings.diameter_sd_px = std::max(std::hypot(size.sd, size.spread), kPriorOfDiameter * size.at(middle.x));
   settings.neighbours = others;
   const auto fitted = fit_outlines(photograph, map, candidates, settings);
   for (std::size_t k = 0; k < again.size(); ++k) {
@@ -75,11 +78,15 @@ void refit_by_size(const Photograph& photograph, const PlaneMap& map, OutlineSet
     Outline& before = outlines[again[k]];
     if (one && one->centre_sd() <= before.centre_sd()) before = *one;
   }
-  for (std::size_t k = left_out.size(); k-- > 0;) {
+  // The best supported first, as candidates come.
+  std::vector<std::size_t> found;
+  for (std::size_t k = 0; k < left_out.size(); ++k) {
     if (!fitted[k] || is_known(outlines, fitted[k]->centre)) continue;
     outlines.push_back(*fitted[k]);
-    unmeasured.erase(unmeasured.begin() + static_cast<std::ptrdiff_t>(left_out[k]));
+    found.push_back(left_out[k]);
   }
+  for (const std::size_t i : found | std::views::reverse)
+    unmeasured.erase(unmeasured.begin() + static_cast<std::ptrdiff_t>(i));
 }
 
 }  // namespace strobe::digitize

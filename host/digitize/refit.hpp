@@ -12,9 +12,10 @@
 namespace strobe::digitize {
 
 /// An outline whose diameter differs from the others' has used another's edge, and one that was left out for
-/// it perhaps, too. They are fitted again with the others' size as the prior, and with the others' edges left
-/// to them. What is found again moves from `unmeasured` to the end of `outlines`. With fewer than four
-/// outlines nothing is done. `settings` as for the first fit. Deterministic; no I/O; allocates.
+/// it, or as imprecise, perhaps, too. They are fitted again with the others' size as the prior, and with the
+/// others' edges left to them. A fit takes an outline's place if its centre is no less certain; what is found
+/// where no outline is moves from `unmeasured` to the end of `outlines`. With fewer than four outlines
+/// nothing is done. `settings` as for the first fit. Deterministic; no I/O; thread-safe; allocates.
 void refit_by_size(const Photograph& photograph, const PlaneMap& map, OutlineSettings settings,
                    const SizeModel& size, std::vector<Outline>& outlines,
                    std::vector<Unmeasured>& unmeasured);

@@ -28,8 +28,8 @@ std::vector<Disc> discs_of(const PlaneMap& map, const Digitization& found) {
     const Outline& outline = found.outlines[i];
     const cv::Point2d centre = map.to_image(outline.centre);
     const bool contact = i < found.frame.images.size() && found.frame.images[i].leg == Leg::contact;
-    discs.push_back(
-        {centre, 0.5 * outline.diameter * map.image_px_per_plane_px(centre), !contact, outline.blur_px});
+    const double scale = map.image_px_per_plane_px(centre);
+    discs.push_back({centre, 0.5 * outline.diameter * scale, !contact, outline.blur_px * scale});
   }
   return discs;
 }

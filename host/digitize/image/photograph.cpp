@@ -151,6 +151,9 @@ Photograph enlarged(const Photograph& photograph, int factor) {
   cv::resize(photograph.intensity, larger.intensity, size, 0, 0, cv::INTER_CUBIC);
   cv::Mat saturated;
   cv::resize(photograph.intensity >= photograph.saturation, saturated, size, 0, 0, cv::INTER_NEAREST);
+  // Cubics swing over beside an edge.
+  cv::min(larger.intensity, std::nextafter(photograph.saturation, 0.0F), larger.intensity);
+  cv::max(larger.intensity, 0.0, larger.intensity);
   larger.intensity.setTo(photograph.saturation, saturated);
   return larger;
 }

@@ -76,14 +76,14 @@ constexpr std::size_t kMinImages = 4;
 constexpr double kCloseOfStep = 0.5;
 // Of the median interval, where the flashes' times are not known: trains that tell their flashes apart by
 // unequal intervals have none shorter, and neither lamp flashes that fast again. An outline that near to
-// another borrows most of its limb, and its quality.
+// another borrows most of its limb, and its probability.
 constexpr double kMinIntervalOfUnknown = 0.2;
 
 class PathLeg {
  public:
   PathLeg(std::vector<int> members, bool curved, std::span<const PathPoint> points,
-          std::span<const double> quality)
-      : members_(std::move(members)), curved_(curved), points_(points), quality_(quality) {}
+          std::span<const double> probabilities)
+      : members_(std::move(members)), curved_(curved), points_(points), probabilities_(probabilities) {}
 
   /// Shortest interval of two flashes or more over the median one.
   static double shortest_interval(std::span<const double> times_s) {
@@ -103,7 +103,7 @@ class PathLeg {
       if (apart >= kCloseOfStep * typical || (nearest && apart >= nearest->distance_px)) continue;
       const auto pair = worse_first(members_[k - 1], members_[k]);
       const bool impossible = apart < kCloseOfStep * shortest_interval * typical;
-      if (!impossible && quality_of(pair.first) >= kLikely) continue;
+      if (!impossible && probability_of(pair.first) >= kLikely) continue;
       nearest = TooClose{pair.first, pair.second, apart};
     }
     if (nearest) std::erase(members_, nearest->index);
@@ -111,7 +111,7 @@ class PathLeg {
   }
 
  private:
-  double quality_of(int i) const { return quality_[static_cast<std::size_t>(i)]; }
+  double probability_of(int i) const { return probabilities_[static_cast<std::size_t>(i)]; }
   const PathPoint& at(int i) const { return points_[static_cast<std::size_t>(i)]; }
   /// Gravity changes the speed along a curve, but not across the picture.
   double step(std::size_t k) const {
@@ -126,29 +126,30 @@ class PathLeg {
   }
 
   std::pair<int, int> worse_first(int a, int b) const {
-    const bool a_worse =
-        quality_of(a) != quality_of(b) ? quality_of(a) < quality_of(b) : at(a).sd_px > at(b).sd_px;
+    const bool a_worse = probability_of(a) != probability_of(b) ? probability_of(a) < probability_of(b)
+                                                                : at(a).sd_px > at(b).sd_px;
     return a_worse ? std::pair(a, b) : std::pair(b, a);
   }
 
   std::vector<int> members_;
   bool curved_;
   std::span<const PathPoint> points_;
-  std::span<const double> quality_;
+  std::span<const double> probabilities_;
 };
 
 }  // namespace
 
 std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint> points,
-                                     std::span<const double> quality, std::span<const double> flash_times_s) {
-  assert(points.size() == quality.size());
+                                     std::span<const double> probabilities,
+                                     std::span<const double> flash_times_s) {
+  assert(points.size() == probabilities.size());
   // Along a curve the ball may be slow, or seen from above itself.
   const double unknown = path.curved ? 0.0 : kMinIntervalOfUnknown;
   const double shortest_interval =
       flash_times_s.size() < 2 ? unknown : PathLeg::shortest_interval(flash_times_s);
   std::vector<TooClose> too_close;
   for (const auto& members : path.legs) {
-    PathLeg leg(members, path.curved, points, quality);
+    PathLeg leg(members, path.curved, points, probabilities);
     while (const auto next = leg.next(shortest_interval)) too_close.push_back(*next);
   }
   return too_close;
@@ -161,10 +162,12 @@ namespace {
 constexpr double kFlashVariance = 0.04, kVariancePerDiameter = 0.05;
 // Ambient light between two flashes: from a twentieth to a quarter of a flash's.
 constexpr double kGhostMean = -2.0, kGhostSd = 0.6;
-// Of one ball in twenty another thing, as light as itself, hides more or less of the limb: of 1506 images on
-// altered renders 9 % show less than .8 of the next one's, 2 % less than half.
+// Of one ball in twenty another thing, as light as itself, hides more or less of the limb, so that any share
+// from a twentieth (e^-3) on is as likely: of 1506 images on altered renders 2 % show less than half of the
+// next one's.
 constexpr double kHidden = 0.05, kRangeOfHidden = 3.0;
-// What looks most like a ball may be a ghost that is bright.
+// What looks most like a ball may be a ghost that is bright: with more, drawn ghosts of a third of a flash's
+// light pass.
 constexpr double kMaxOdds = 2.0;
 
 /// log(p / (1 - p)) that a disc of that share of a ball's light is a ball's.
@@ -326,9 +329,9 @@ class PathSelection {
   /// Neighbours on a line that the ball flies down and up may be of both ways.
   void reject_too_close(std::span<const double> flash_times_s) {
     if (path_.straight) return;
-    std::vector<double> quality;
-    for (const Outline& o : outlines_) quality.push_back(o.probability);
-    for (const TooClose& c : find_too_close(path_, points_, quality, flash_times_s))
+    std::vector<double> probabilities;
+    for (const Outline& o : outlines_) probabilities.push_back(o.probability);
+    for (const TooClose& c : find_too_close(path_, points_, probabilities, flash_times_s))
       drop(c.index, Reason::duplicate,
            fmt::format("{:.1f} px from a better image: nearer than the ball's steps allow", c.distance_px));
   }

@@ -322,11 +322,18 @@ class OutlineFitter {
   double quality(std::size_t i) const { return works_[i].fitted->visible_fraction; }
 
   void drop_duplicates() {
+    constexpr double kSameOfRadii = 0.02;
     for (std::size_t i = 0; i < works_.size(); ++i) {
+      for (const Outline& o : settings_.neighbours) {
+        if (!works_[i].disc) break;
+        const double apart = cv::norm(works_[i].disc->centre - o.centre);
+        if (apart <= kSameOfRadii * (works_[i].disc->radius + 0.5 * o.diameter))
+          reject(works_[i], Reason::duplicate, fmt::format("{:.1f} px from an outline", apart));
+      }
       for (std::size_t j = 0; j < works_.size(); ++j) {
         if (i == j || !works_[i].disc || !works_[j].disc) continue;
         const double apart = cv::norm(works_[i].disc->centre - works_[j].disc->centre);
-        if (apart > 0.02 * (works_[i].disc->radius + works_[j].disc->radius)) continue;
+        if (apart > kSameOfRadii * (works_[i].disc->radius + works_[j].disc->radius)) continue;
         if (quality(j) > quality(i) || (quality(j) == quality(i) && j < i))
           reject(works_[i], Reason::duplicate,
                  fmt::format("{:.1f} px from an outline that fits better", apart));

@@ -33,7 +33,8 @@ struct OutlineSettings {
   double diameter_slope = 0.0;
   std::optional<double> diameter_sd_px;
   Effort effort = Effort::standard;
-  std::span<const Outline> neighbours{};  ///< measured before: edges are left to them, too
+  /// Measured before, plane px: edges are left to them, too. Must outlive the fit.
+  std::span<const Outline> neighbours{};
 };
 
 /// One result for each candidate, in their order. All candidates are fitted together: edges of another

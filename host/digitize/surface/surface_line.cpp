@@ -144,12 +144,12 @@ double lowest_sd_px(std::span<const Outline> outlines) {
   std::vector<double> variances, shared;
   const cv::Vec3d lowest_by(0.0, 1.0, -0.5);
   for (const Outline& o : outlines) {
-    variances.push_back(lowest_by.dot(o.covariance * lowest_by));
-    shared.push_back(0.5 * o.shared_diameter_sd_px);
+    const double alike = 0.5 * o.shared_diameter_sd_px;
+    variances.push_back(std::max(0.0, lowest_by.dot(o.covariance * lowest_by) - alike * alike));
+    shared.push_back(alike);
   }
   const double count = std::max(1.0, static_cast<double>(outlines.size()));
-  return std::hypot(upper_median(std::move(shared)),
-                    std::sqrt(std::max(0.0, upper_median(std::move(variances))) / count));
+  return std::hypot(upper_median(std::move(shared)), std::sqrt(upper_median(std::move(variances)) / count));
 }
 
 /// How far light saturates below the edge, at most `reach_px`: the median of what is seen of it.

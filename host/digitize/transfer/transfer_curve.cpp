@@ -29,7 +29,8 @@ std::vector<BallDisc> discs_of(const PlaneMap& map, std::span<const Outline> out
   std::vector<BallDisc> discs;
   for (const Outline& o : outlines) {
     const cv::Point2d centre = map.to_image(o.centre);
-    discs.push_back({centre, 0.5 * o.diameter * map.image_px_per_plane_px(centre), o.blur_px});
+    const double scale = map.image_px_per_plane_px(centre);
+    discs.push_back({centre, 0.5 * o.diameter * scale, o.blur_px * scale});
   }
   return discs;
 }

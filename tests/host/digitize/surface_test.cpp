@@ -124,7 +124,10 @@ TEST(SurfaceLine, IsSeenFromTheBallsAsFarAsAllOfThemAreOffAlike) {
   for (Outline& o : outlines) o.covariance(1, 1) = 0.09;
   // What each ball is off by itself averages out: a third of the variance is left.
   DOUBLES_EQUAL(std::hypot(without, 0.3 / std::sqrt(3.0)), sd_px(), 1e-9);
-  for (Outline& o : outlines) o.shared_diameter_sd_px = 0.8;
+  for (Outline& o : outlines) {
+    o.shared_diameter_sd_px = 0.8;
+    o.covariance(2, 2) += 0.8 * 0.8;
+  }
   DOUBLES_EQUAL(std::hypot(without, 0.3 / std::sqrt(3.0), 0.4), sd_px(), 1e-9);
 }
 
