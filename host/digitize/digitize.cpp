@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <set>
+#include <span>
 
 #include "host/digitize/candidates/candidates.hpp"
 #include "host/digitize/core/statistics.hpp"
@@ -73,10 +74,12 @@ class Digitizer {
     watch.lap("candidates");
     auto [outlines, size] =
         select_by_size(photograph_, map_, fit(candidates), settings_.surface, result_.unmeasured);
+    const std::size_t at_first = outlines.size();
     if (settings_.effort != Effort::fast)
       refit_by_size(photograph_, map_, outline_settings(), size, outlines, result_.unmeasured);
     watch.lap("outlines");
-    find_surface(outlines);
+    // What is seen again may lie below it, as a ball's mirror image in a plate does.
+    find_surface(std::span(outlines).first(at_first));
     watch.lap("surface");
     find_path(outlines);
     tell_surface();

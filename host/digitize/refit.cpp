@@ -12,9 +12,6 @@ namespace {
 constexpr std::size_t kMinForRefit = 4;
 // Beyond what chance and common wear of balls make of one in a few thousand.
 constexpr double kInconsistent_sd = 4.0;
-// Of the others' size as the prior, at least: what lies under a limb moves it, and sizes do not change evenly
-// along a path.
-constexpr double kPriorOfDiameter = 0.02;
 // Nearer to an outline than this lies hardly another.
 constexpr double kSameOfDiameter = 0.2;
 
@@ -70,7 +67,7 @@ void refit_by_size(const Photograph& photograph, const PlaneMap& map, OutlineSet
   settings.diameter_px = size.diameter;
   settings.diameter_slope = size.slope;
   const cv::Point2d middle = map.to_plane({0.5 * photograph.width(), 0.5 * photograph.height()});
-  settings.diameter_sd_px = std::max(std::hypot(size.sd, size.spread), kPriorOfDiameter * size.at(middle.x));
+  settings.diameter_sd_px = std::max(std::hypot(size.sd, size.spread), kSdOfDiameter * size.at(middle.x));
   settings.neighbours = others;
   const auto fitted = fit_outlines(photograph, map, candidates, settings);
   for (std::size_t k = 0; k < again.size(); ++k) {

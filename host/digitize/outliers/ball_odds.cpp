@@ -31,8 +31,6 @@ double log_odds_of_size(const Outline& outline, const SizeModel& size) {
   constexpr double kOfAnySize = 0.05;
   // Outlines of anything are of any size that is sought.
   constexpr double kRangeOfDiameter = 0.3;
-  // A ball that is compressed, or lit from one side.
-  constexpr double kSdOfDiameter = 0.03;
   const double expected = size.at(outline.centre.x);
   const double sd = std::hypot(std::hypot(outline.diameter_sd(), kSdOfDiameter * expected),
                                std::hypot(size.sd, size.spread));

@@ -29,6 +29,10 @@ struct SizeModel {
   double at(double x) const { return diameter + slope * x; }
 };
 
+/// Of single balls of one size, of the diameter: what lies under a limb moves it, and sizes do not change
+/// evenly along a path.
+inline constexpr double kSdOfDiameter = 0.02;
+
 /// Median diameter, with the median slope from 5 outlines on (Theil 1950, Sen 1968). At least one outline.
 SizeModel fit_size_model(std::span<const Outline> outlines);
 
