@@ -130,7 +130,7 @@ void add_what(CLI::App& command, Request& request) {
       ->check(CLI::IsMember({"sim", "independent"}))
       ->capture_default_str();
   command.add_option("--ball", o.ball,
-                     "Of the accuracy and --chain: scene whose ball it is, images where a tennis ball's were");
+                     "Of the accuracy, --robustness and --chain: scene whose ball it is, images where a tennis ball's were");
   command.add_flag("--draw-line", o.draw_line, "Of --ball: with a line, whatever its scene says");
   command.add_flag("--ignore-marking", o.ignore_marking,
                    "Of the accuracy: a line is looked for on balls that have none, too (false)");
