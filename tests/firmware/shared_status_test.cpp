@@ -70,7 +70,7 @@ TEST(Lifeline, TellsOfADeathWithoutWaiting) {
 
 /// Where both look at one mutex, the waiter's having it hides the death: about once in 4,000 rounds.
 TEST(Lifeline, TellsOfADeathWithoutWaitingWhileAnotherThreadTakesItIn) {
-  constexpr int kRounds = 10'000;
+  constexpr int kRounds = 2'000;
   for (int round = 0; round < kRounds; ++round) {
     Lifeline of_thread;
     std::latch held(2), waits(2);
