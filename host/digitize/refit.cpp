@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <span>
 
 namespace strobe::digitize {
@@ -82,8 +81,8 @@ void refit_by_size(const Photograph& photograph, const PlaneMap& map, OutlineSet
     outlines.push_back(*fitted[k]);
     found.push_back(left_out[k]);
   }
-  for (const std::size_t i : found | std::views::reverse)
-    unmeasured.erase(unmeasured.begin() + static_cast<std::ptrdiff_t>(i));
+  for (auto i = found.rbegin(); i != found.rend(); ++i)
+    unmeasured.erase(unmeasured.begin() + static_cast<std::ptrdiff_t>(*i));
 }
 
 }  // namespace strobe::digitize
