@@ -120,6 +120,7 @@ class Digitizer {
     settings.diameter_min_px = size_min_px_;
     settings.diameter_max_px = size_max_px_;
     settings.effort = settings_.effort;
+    settings.ovals = ovals_;
     return settings;
   }
 
@@ -128,7 +129,8 @@ class Digitizer {
   }
 
   std::vector<Outline> fit(std::span<const Candidate> candidates) {
-    const auto fitted = fit_outlines(photograph_, map_, candidates, outline_settings());
+    const auto [fitted, ovals] = fit_outlines(photograph_, map_, candidates, outline_settings());
+    ovals_ = ovals;
     std::vector<Outline> outlines;
     for (std::size_t i = 0; i < fitted.size(); ++i) {
       if (fitted[i])
@@ -325,6 +327,7 @@ class Digitizer {
   bool with_lines_;
   double expected_px_ = 0.0;                      ///< diameter
   double size_min_px_ = 0.0, size_max_px_ = 0.0;  ///< of single balls
+  std::optional<OvalModel> ovals_;
   std::optional<SurfaceLine> surface_;
   Digitization result_;
 };

@@ -68,7 +68,7 @@ void refit_by_size(const Photograph& photograph, const PlaneMap& map, OutlineSet
   const cv::Point2d middle = map.to_plane({0.5 * photograph.width(), 0.5 * photograph.height()});
   settings.diameter_sd_px = std::max(std::hypot(size.sd, size.spread), kSdOfDiameter * size.at(middle.x));
   settings.neighbours = others;
-  const auto fitted = fit_outlines(photograph, map, candidates, settings);
+  const auto fitted = fit_outlines(photograph, map, candidates, settings).outlines;
   for (std::size_t k = 0; k < again.size(); ++k) {
     const auto& one = fitted[left_out.size() + k];
     Outline& before = outlines[again[k]];

@@ -16,19 +16,20 @@ namespace {
 constexpr std::size_t kMinSamples = 5;
 constexpr double kMinSd = 5e-4;  // no ball can be said to be rounder
 constexpr double kMaxSd = 0.02;
-constexpr double kSquareSd = 1e-3;  // pixels are nearly square
 constexpr double kTukey2 = 4.685 * 4.685;
 constexpr double kMedianOfSquares = 1.386;  // of two normal numbers' sum
 
-double variance_of(const OvalSample& sample) { return 0.5 * cv::trace(sample.covariance); }
+cv::Matx22d precision_of(const OvalSample& sample, double extra) {
+  return (sample.covariance + cv::Matx22d::eye() * extra).inv(cv::DECOMP_CHOLESKY);
+}
 
-/// The variance beyond the samples' own that makes their squared residuals what they should be.
-double extra_variance(std::span<const OvalSample> samples, const std::vector<double>& squares) {
+/// The variance beyond the samples' own that makes their residuals what they should be.
+double extra_variance(std::span<const OvalSample> samples, const std::vector<cv::Vec2d>& residuals) {
   const auto middle = [&](double extra) {
-    std::vector<double> ratios;
+    std::vector<double> squares;
     for (std::size_t i = 0; i < samples.size(); ++i)
-      ratios.push_back(squares[i] / (variance_of(samples[i]) + extra));
-    return upper_median(std::move(ratios));
+      squares.push_back(residuals[i].dot(precision_of(samples[i], extra) * residuals[i]));
+    return upper_median(std::move(squares));
   };
   double low = kMinSd * kMinSd, high = kMaxSd * kMaxSd;
   if (middle(low) <= kMedianOfSquares) return low;
@@ -48,38 +49,41 @@ cv::Matx23d OvalModel::terms(cv::Point2d plane_px) const {
 
 cv::Vec2d OvalModel::at(cv::Point2d plane_px) const { return terms(plane_px) * unknowns_; }
 
+cv::Matx22d OvalModel::covariance(cv::Point2d plane_px) const {
+  const cv::Matx23d g = terms(plane_px);
+  return g * unsure_ * g.t() + cv::Matx22d::eye() * (scatter_ * scatter_);
+}
+
 std::optional<OvalModel> fit_oval_model(std::span<const OvalSample> samples, cv::Point2d middle,
-                                        double reach_px) {
+                                        double reach_px, double stretch_sd) {
   if (samples.size() < kMinSamples) return std::nullopt;
   OvalModel agreed;
   agreed.middle_ = middle;
   agreed.reach_px_ = reach_px;
-  std::vector<double> squares(samples.size());
+  std::vector<cv::Vec2d> residuals(samples.size());
   double extra = kMinSd * kMinSd;
   cv::Matx33d normal;
   for (int round = 0; round < 6; ++round) {
     normal = cv::Matx33d::zeros();
-    normal(0, 0) = normal(1, 1) = 1.0 / (kSquareSd * kSquareSd);
-    normal(2, 2) = 1.0 / (kMaxSd * kMaxSd);
+    normal(0, 0) = normal(1, 1) = 1.0 / (kSquare_sd * kSquare_sd);
+    normal(2, 2) = 1.0 / (stretch_sd * stretch_sd);
     cv::Vec3d right;
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      const double variance = variance_of(samples[i]) + extra;
-      const double z2 = squares[i] / (variance * kTukey2);
+      const cv::Matx22d precision = precision_of(samples[i], extra);
+      const double z2 = residuals[i].dot(precision * residuals[i]) / kTukey2;
       if (z2 >= 1.0) continue;
-      const double weight = (1.0 - z2) * (1.0 - z2) / variance;
       const cv::Matx23d g = agreed.terms(samples[i].at);
-      normal += weight * (g.t() * g);
-      right += weight * (g.t() * samples[i].oval);
+      const cv::Matx32d weighted = (1.0 - z2) * (1.0 - z2) * (g.t() * precision);
+      normal += weighted * g;
+      right += weighted * samples[i].oval;
     }
     agreed.unknowns_ = normal.solve(right, cv::DECOMP_CHOLESKY);
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const cv::Vec2d left = samples[i].oval - agreed.at(samples[i].at);
-      squares[i] = left.dot(left);
-    }
-    extra = extra_variance(samples, squares);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      residuals[i] = samples[i].oval - agreed.at(samples[i].at);
+    extra = extra_variance(samples, residuals);
   }
-  const cv::Matx33d unsure = normal.inv(cv::DECOMP_CHOLESKY);
-  agreed.sd_ = std::sqrt(extra + std::max(unsure(0, 0), unsure(1, 1)));
+  agreed.unsure_ = normal.inv(cv::DECOMP_CHOLESKY);
+  agreed.scatter_ = std::sqrt(extra);
   return agreed;
 }
 
@@ -305,7 +309,9 @@ class Fit {
     }
   }
 
-  double oval_precision() const { return 1.0 / std::pow(settings_.oval_sd * start_radius_, 2); }
+  cv::Matx22d oval_precision() const {
+    return settings_.oval_covariance.inv(cv::DECOMP_CHOLESKY) * (1.0 / (start_radius_ * start_radius_));
+  }
   double radius_precision() const {
     return settings_.radius_px && settings_.radius_sd_px
                ? 1.0 / std::pow(std::max(*settings_.radius_sd_px, 1e-3), 2)
@@ -315,14 +321,17 @@ class Fit {
     Square p = Square::zeros();
     p(0, 0) = p(1, 1) = 1e-6;
     p(2, 2) = 1e-6 + radius_precision();
-    p(3, 3) = p(4, 4) = oval_precision();
+    const cv::Matx22d oval = oval_precision();
+    for (int a = 0; a < 2; ++a)
+      for (int b = 0; b < 2; ++b) p(3 + a, 3 + b) = oval(a, b);
     return p;
   }
   /// The prior's part of the normal equations' right-hand side.
   Vector prior_right() const {
     const double known = settings_.radius_px ? *settings_.radius_px - shape_.radius : 0.0;
-    const cv::Vec2d oval = settings_.oval * start_radius_ - cv::Vec2d(shape_.oval_cos, shape_.oval_sin);
-    return {0.0, 0.0, radius_precision() * known, oval_precision() * oval[0], oval_precision() * oval[1]};
+    const cv::Vec2d oval =
+        oval_precision() * (settings_.oval * start_radius_ - cv::Vec2d(shape_.oval_cos, shape_.oval_sin));
+    return {0.0, 0.0, radius_precision() * known, oval[0], oval[1]};
   }
 
   double blur_change() const {
@@ -405,16 +414,19 @@ std::optional<FittedOutline> fit_outline(const Photograph& photograph, const Loc
   return fit.result();
 }
 
-void apply_oval_prior(FittedOutline& fitted, cv::Vec2d oval, double sd, double former_sd) {
-  assert(sd > 0.0 && sd < former_sd);
+void apply_oval_prior(FittedOutline& fitted, cv::Vec2d oval, const cv::Matx22d& covariance,
+                      const cv::Matx22d& former) {
   constexpr double kMaxMahalanobis2 = 16.0;
   OutlineShape& shape = fitted.shape;
   // Only the new information: precisions add up, and so do their products with the expected values.
-  const double precision = (1.0 / (sd * sd) - 1.0 / (former_sd * former_sd)) / (shape.radius * shape.radius);
-  const cv::Vec2d expected = oval * (1.0 / (shape.radius * sd * sd * precision));
+  const cv::Matx22d precision = covariance.inv(cv::DECOMP_CHOLESKY);
+  const cv::Matx22d added = precision - former.inv(cv::DECOMP_CHOLESKY);
+  assert(added(0, 0) > 0.0 && cv::determinant(added) > 0.0);
+  const cv::Matx22d variance = added.inv(cv::DECOMP_CHOLESKY) * (shape.radius * shape.radius);
+  const cv::Vec2d expected = variance * precision * oval * (1.0 / shape.radius);
   const cv::Vec2d off = expected - cv::Vec2d(shape.oval_cos, shape.oval_sin);
   const Square before = fitted.covariance;
-  const cv::Matx22d spread = before.get_minor<2, 2>(3, 3) + cv::Matx22d::eye() * (1.0 / precision);
+  const cv::Matx22d spread = before.get_minor<2, 2>(3, 3) + variance;
   if (off.dot(spread.inv() * off) > kMaxMahalanobis2) return;
   const cv::Matx<double, kOutlineParameters, 2> gain =
       before.get_minor<kOutlineParameters, 2>(0, 3) * spread.inv();
@@ -423,7 +435,11 @@ void apply_oval_prior(FittedOutline& fitted, cv::Vec2d oval, double sd, double f
   shape.radius += change(2);
   shape.oval_cos += change(3);
   shape.oval_sin += change(4);
-  fitted.covariance = before - gain * before.get_minor<2, kOutlineParameters>(3, 0);
+  // Joseph's form stays positive semi-definite where one outline tells next to nothing.
+  Square kept = Square::eye();
+  for (int a = 0; a < kOutlineParameters; ++a)
+    for (int b = 0; b < 2; ++b) kept(a, 3 + b) -= gain(a, b);
+  fitted.covariance = kept * before * kept.t() + gain * variance * gain.t();
   assert(is_covariance(fitted.covariance));
 }
 

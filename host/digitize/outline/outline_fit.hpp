@@ -12,37 +12,44 @@
 
 namespace strobe::digitize {
 
-// The ovality of the ball's images on one photograph, estimated from all of them: uncalibrated perspective
-// stretches them away from the photograph's middle by the square of the distance from there, pixels that are
-// not square all alike. Where only a part of an outline is visible, ovality, radius and centre are nearly
-// degenerate, and the others' ovality serves as a prior. Deterministic; thread-safe; allocates.
+// The ovality of the ball's images on one photograph, estimated from all of them: a lens that is not
+// calibrated stretches them away from the photograph's middle by the square of the distance from there,
+// pixels that are not square all alike. Where only a part of an outline is visible, ovality, radius and
+// centre are nearly degenerate, and the others' ovality serves as a prior. Deterministic; thread-safe;
+// allocates.
 
-/// An outline's deviation cos·cos 2θ + sin·sin 2θ from a circle, over its radius.
+/// An outline's deviation cos·cos 2θ + sin·sin 2θ from a circle, over its radius, as it alone tells it.
 struct OvalSample {
   cv::Point2d at;  ///< plane px
   cv::Vec2d oval;
-  cv::Matx22d covariance;
+  cv::Matx22d covariance;  ///< positive definite
 };
+
+/// Prior sd in every direction: pixels are nearly square.
+inline constexpr double kSquare_sd = 1e-3;
 
 class OvalModel {
  public:
   cv::Vec2d at(cv::Point2d plane_px) const;
-  double sd() const { return sd_; }  ///< of each component for one outline
+  /// Of an outline there; with what one outline differs by from all others.
+  cv::Matx22d covariance(cv::Point2d plane_px) const;
+  double scatter() const { return scatter_; }  ///< sd of each component of one outline about the others
 
  private:
-  friend std::optional<OvalModel> fit_oval_model(std::span<const OvalSample>, cv::Point2d, double);
+  friend std::optional<OvalModel> fit_oval_model(std::span<const OvalSample>, cv::Point2d, double, double);
   cv::Matx23d terms(cv::Point2d plane_px) const;
 
   cv::Point2d middle_;
   double reach_px_ = 1.0;
   cv::Vec3d unknowns_;
-  double sd_ = 0.0;
+  cv::Matx33d unsure_;  ///< covariance of the unknowns
+  double scatter_ = 0.0;
 };
 
-/// `middle`: of the photograph; `reach_px`: from there to its corners. Returns nullopt for fewer than 5
-/// samples.
+/// `middle`: of the photograph; `reach_px`: from there to its corners; `stretch_sd`: prior sd of the ovality
+/// in a corner, away from the middle. Returns nullopt for fewer than 5 samples.
 std::optional<OvalModel> fit_oval_model(std::span<const OvalSample> samples, cv::Point2d middle,
-                                        double reach_px);
+                                        double reach_px, double stretch_sd);
 
 /// Centre x, y, radius, ovality cos, sin [local px].
 inline constexpr int kOutlineParameters = 5;
@@ -57,8 +64,8 @@ struct OutlineFitSettings {
   double rays_px = 1.0;     ///< distance of the rays along which intensity is sampled
   /// How far out and in the profile is sampled, beyond three sd of the blur.
   double outside_px = 4.0, inside_px = 6.0;
-  cv::Vec2d oval;                                 ///< prior ovality, cos and sin over the radius
-  double oval_sd = 0.005;                         ///< its sd
+  cv::Vec2d oval;  ///< prior ovality, cos and sin over the radius
+  cv::Matx22d oval_covariance{2.5e-5, 0.0, 0.0, 2.5e-5};
   std::optional<double> radius_px, radius_sd_px;  ///< prior radius
 };
 
@@ -81,9 +88,10 @@ std::optional<FittedOutline> fit_outline(const Photograph& photograph, const Loc
                                          std::span<const OutlineShape> neighbours,
                                          const OutlineFitSettings& settings);
 
-/// Replaces the prior of an outline's ovality, fitted with `former_sd` around none, by a better one (Kalman
-/// update): `oval` over the radius, `sd` < `former_sd`. Leaves an outline whose ovality contradicts it
-/// unchanged.
-void apply_oval_prior(FittedOutline& fitted, cv::Vec2d oval, double sd, double former_sd);
+/// Replaces the prior of an outline's ovality, fitted with the covariance `former` around none, by a better
+/// one (Kalman update): `oval` over the radius with `covariance`, less than `former` in every direction.
+/// Leaves an outline whose ovality contradicts it unchanged.
+void apply_oval_prior(FittedOutline& fitted, cv::Vec2d oval, const cv::Matx22d& covariance,
+                      const cv::Matx22d& former);
 
 }  // namespace strobe::digitize

@@ -147,9 +147,10 @@ class OutlineFitter {
         map_(map),
         candidates_(candidates),
         settings_(settings),
-        works_(candidates.size()) {}
+        works_(candidates.size()),
+        oval_model_(settings.ovals) {}
 
-  std::vector<Measured<Outline>> run() {
+  FittedOutlines run() {
     each([this](std::size_t i) { search(i); });
     const int sweeps = settings_.effort == Effort::fast ? 1 : 2;
     for (int sweep = 0; sweep < sweeps; ++sweep) {
@@ -157,11 +158,12 @@ class OutlineFitter {
       each([this, &before, sweep](std::size_t i) { fit(i, before, sweep); });
       for (std::size_t i = 0; i < works_.size(); ++i) check(i);
       drop_duplicates();
-      if (sweep == 0) share_ovality();
+      if (sweep == 0 && !settings_.ovals) share_ovality();
     }
-    std::vector<Measured<Outline>> results;
-    for (std::size_t i = 0; i < works_.size(); ++i) results.push_back(result(i));
-    assert(results.size() == candidates_.size());
+    FittedOutlines results;
+    for (std::size_t i = 0; i < works_.size(); ++i) results.outlines.push_back(result(i));
+    results.ovals = oval_model_;
+    assert(results.outlines.size() == candidates_.size());
     return results;
   }
 
@@ -241,10 +243,10 @@ class OutlineFitter {
     settings.further_steps = settings_.effort == Effort::fast || sweep > 0 ? 16 : 0;
     settings.sectors_px = settings_.effort == Effort::fast ? 12.0 : 8.0;
     settings.rays_px = settings_.effort == Effort::fast || sweep == 0 ? 2.0 : 1.0;
-    settings.oval_sd = oval_sd();
-    if (oval_model_ && sweep > 0) {
+    settings.oval_covariance = oval_covariance(before[i].disc->centre);
+    if (oval_model_) {
       settings.oval = oval_model_->at(before[i].disc->centre);
-      settings.oval_sd = oval_model_->sd();
+      settings.oval_covariance = oval_model_->covariance(before[i].disc->centre);
     }
     if (settings_.diameter_px && settings_.diameter_sd_px) {
       settings.radius_px = 0.5 * expected_diameter(before[i].disc->centre) * work.frame->scale();
@@ -269,26 +271,54 @@ class OutlineFitter {
     work.disc = disc_of(map_, *work.frame, work.fitted->shape);
   }
 
-  /// Prior sd of an outline's ovality over its radius.
+  cv::Point2d middle() const {
+    return map_.to_plane({0.5 * photograph_.width(), 0.5 * photograph_.height()});
+  }
+  double reach_px() const { return cv::norm(map_.to_plane({0.0, 0.0}) - middle()); }
+
+  /// Prior sd of an outline's ovality over its radius, in every direction.
   double oval_sd() const { return map_.viewpoint() ? 0.002 : 0.005; }
+
+  /// Prior sd in a corner, away from the middle. A normal lens, whose focal length is the photograph's
+  /// diagonal, makes it a quarter of the square of half the diagonal over that.
+  double corner_sd() const { return map_.viewpoint() ? oval_sd() : 1.0 / 16.0; }
+  double stretch_sd(cv::Point2d centre) const {
+    return corner_sd() * std::pow(cv::norm(centre - middle()) / reach_px(), 2);
+  }
+
+  cv::Matx22d oval_covariance(cv::Point2d centre) const {
+    const cv::Point2d d = centre - middle();
+    const double twice = 2.0 * std::atan2(d.y, d.x);
+    const cv::Vec2d away = stretch_sd(centre) * cv::Vec2d(std::cos(twice), std::sin(twice));
+    return cv::Matx22d::eye() * std::pow(oval_sd(), 2) + away * away.t();
+  }
+
+  /// What the outline alone tells of its ovality, without the prior. Returns nullopt if that is nothing, or
+  /// if arcs of less than half a circle, which anything may make, are all that is seen.
+  std::optional<OvalSample> oval_of(const Work& work) const {
+    if (work.fitted->visible_fraction < 0.5) return std::nullopt;
+    const OutlineShape& shape = work.fitted->shape;
+    const double unit = 1.0 / shape.radius;
+    const cv::Matx22d both = (work.fitted->covariance.get_minor<2, 2>(3, 3) * (unit * unit)).inv();
+    const cv::Matx22d information = both - oval_covariance(work.disc->centre).inv();
+    if (!(information(0, 0) > 0.0 && cv::determinant(information) > 0.0)) return std::nullopt;
+    const cv::Matx22d own = information.inv();
+    return OvalSample{work.disc->centre, own * both * cv::Vec2d(shape.oval_cos, shape.oval_sin) * unit, own};
+  }
 
   void share_ovality() {
     std::vector<OvalSample> samples;
     for (const Work& work : works_) {
       if (!work.disc) continue;
-      const OutlineShape& shape = work.fitted->shape;
-      const double unit = 1.0 / shape.radius;
-      const auto c = work.fitted->covariance.get_minor<2, 2>(3, 3) * (unit * unit);
-      samples.push_back({work.disc->centre, cv::Vec2d(shape.oval_cos, shape.oval_sin) * unit, c});
+      if (const auto sample = oval_of(work)) samples.push_back(*sample);
     }
-    const cv::Point2d corner = map_.to_plane({0.0, 0.0});
-    const cv::Point2d middle = map_.to_plane({0.5 * photograph_.width(), 0.5 * photograph_.height()});
-    oval_model_ = fit_oval_model(samples, middle, cv::norm(corner - middle));
-    if (oval_model_ && oval_model_->sd() >= oval_sd()) oval_model_.reset();
+    oval_model_ = fit_oval_model(samples, middle(), reach_px(), corner_sd());
+    if (oval_model_ && std::hypot(oval_model_->scatter(), kSquare_sd) >= oval_sd()) oval_model_.reset();
     if (!oval_model_) return;
     for (Work& work : works_) {
       if (!work.disc) continue;
-      apply_oval_prior(*work.fitted, oval_model_->at(work.disc->centre), oval_model_->sd(), oval_sd());
+      const cv::Point2d at = work.disc->centre;
+      apply_oval_prior(*work.fitted, oval_model_->at(at), oval_model_->covariance(at), oval_covariance(at));
       work.disc = disc_of(map_, *work.frame, work.fitted->shape);
     }
   }
@@ -311,7 +341,8 @@ class OutlineFitter {
              fmt::format("diameter {:.1f} px is not between {:.1f} and {:.1f}", diameter,
                          settings_.diameter_min_px, settings_.diameter_max_px));
     } else if (fitted.rms_px > std::max({1.0, 0.01 * fitted.shape.radius, kMaxRmsOfBlur * fitted.sigma_px}) ||
-               std::hypot(fitted.shape.oval_cos, fitted.shape.oval_sin) > 0.03 * fitted.shape.radius) {
+               std::hypot(fitted.shape.oval_cos, fitted.shape.oval_sin) >
+                   (0.03 + 2.0 * stretch_sd(work.disc->centre)) * fitted.shape.radius) {
       reject(work, Reason::not_round,
              fmt::format("edges are {:.2f} px rms from an ellipse that a ball can have", fitted.rms_px));
     } else if (sd > kMaxSdOfDiameter * diameter) {
@@ -372,9 +403,8 @@ class OutlineFitter {
 
 }  // namespace
 
-std::vector<Measured<Outline>> fit_outlines(const Photograph& photograph, const PlaneMap& map,
-                                            std::span<const Candidate> candidates,
-                                            const OutlineSettings& settings) {
+FittedOutlines fit_outlines(const Photograph& photograph, const PlaneMap& map,
+                            std::span<const Candidate> candidates, const OutlineSettings& settings) {
   return OutlineFitter(photograph, map, candidates, settings).run();
 }
 

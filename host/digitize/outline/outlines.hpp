@@ -35,13 +35,20 @@ struct OutlineSettings {
   Effort effort = Effort::standard;
   /// Measured before, plane px: edges are left to them, too. Must outlive the fit.
   std::span<const Outline> neighbours{};
+  /// As an earlier fit on this photograph found them; absent: from these candidates' own outlines.
+  std::optional<OvalModel> ovals;
 };
 
-/// One result for each candidate, in their order. All candidates are fitted together: edges of another
-/// outline are left to it. Contact images are fitted to what is round of them. The covariances are
-/// calibrated: error/sd has rms one over many photographs, whatever texture, shading and noise.
-std::vector<Measured<Outline>> fit_outlines(const Photograph& photograph, const PlaneMap& map,
-                                            std::span<const Candidate> candidates,
-                                            const OutlineSettings& settings);
+struct FittedOutlines {
+  std::vector<Measured<Outline>> outlines;  ///< one for each candidate, in their order
+  std::optional<OvalModel> ovals;           ///< absent: too few are seen over half of their circle
+};
+
+/// All candidates are fitted together: edges of another outline are left to it. Contact images are fitted to
+/// what is round of them. Where no calibration tells where the lens is, outlines are as oval as those that are
+/// seen over half of their circle show others to be there. The covariances are calibrated: error/sd has rms
+/// one over many photographs, whatever texture, shading and noise.
+FittedOutlines fit_outlines(const Photograph& photograph, const PlaneMap& map,
+                            std::span<const Candidate> candidates, const OutlineSettings& settings);
 
 }  // namespace strobe::digitize
