@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <opencv2/core.hpp>
 #include <utility>
 #include <vector>
@@ -12,6 +13,14 @@ namespace strobe::digitize {
 
 /// The sd of a normal sample over the median of its absolute deviations.
 inline constexpr double kSdOverMad = 1.4826;
+/// The sd of a normal sample's median over that of its mean: the root of pi / 2.
+inline constexpr double kSdOfMedian = 1.2533;
+
+/// What is further off than this is something else: of normal errors one in 16,000 is.
+inline constexpr double kFarthest_sd = 4.0;
+/// How much likelier one explanation must be than the next to be believed: a thousand to one, as a logarithm
+/// of likelihoods.
+inline constexpr double kThousandToOne = 3.0 * std::numbers::ln10;
 
 /// The value that `numerator` / `denominator` of the others, rounded down, do not exceed: without
 /// interpolation, so that the median of an even number of values is the upper one. Returns 0 for no values.

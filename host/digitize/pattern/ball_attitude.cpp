@@ -38,12 +38,12 @@ Result<Outline> only_ball(const Photograph& photograph) {
 Result<BallAttitude> measure_attitude(const Photograph& photograph, const PlaneMap& map,
                                       const Outline& outline, const DotPattern& pattern,
                                       double pattern_sd_rad) {
-  // Dots on the limb move outlines, whose sds are those of balls without; by rendered balls.
-  constexpr double kCentre = 1.5, kRadius = 1.3;
+  // Dots on the limb move outlines by so much more than the sds of balls without; by rendered balls.
+  constexpr double kByDots = 1.5;
   DotMatchSettings settings;
   settings.pattern_sd_rad = pattern_sd_rad;
-  settings.centre_sd = std::max(1e-4, kCentre * outline.centre_sd() / (0.5 * outline.diameter));
-  settings.radius_sd = std::max(1e-4, kRadius * outline.diameter_sd() / outline.diameter);
+  settings.centre_sd = std::max(1e-4, kByDots * outline.centre_sd() / (0.5 * outline.diameter));
+  settings.radius_sd = std::max(1e-4, kByDots * outline.diameter_sd() / outline.diameter);
   auto found = match_dots(find_dots(photograph, map, outline), pattern, settings);
   if (!found) return fail(photograph.name + ": " + found.error().message);
   return found;

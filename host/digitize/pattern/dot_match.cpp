@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "common/attitude/attitude_spin.hpp"
+#include "host/digitize/core/statistics.hpp"
 #include "host/digitize/pattern/dot_pattern.hpp"
 
 namespace strobe::digitize {
@@ -22,20 +23,16 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Matrix26d = Eigen::Matrix<double, 2, 6>;
 
-constexpr double kPairWithin_rad = 0.12;
-constexpr double kMinPair_rad = 0.3;
+// Dots that are nearer to each other give no attitude, and attitudes that are nearer are one.
+constexpr double kApart_rad = 0.3;
 // Two dots give an attitude to this sd [radii]; more of them to what pattern and outline are, and no better
 // than this.
 constexpr double kPairSd = 0.035, kFinestSd = 0.012;
-constexpr double kGate = 3.5;  // sd
-// Towards the limb dots get lost; nearer to the middle than this one in ten is missed.
-constexpr double kSurelySeen = 0.8;
-const double kMissed = std::log(10.0);
+// Of the dots that are surely seen one in ten is missed.
+constexpr double kMissed = std::numbers::ln10;
 // Of dark spots that are no dots, print and dirt, there are some five on a disc.
 constexpr double kOthers = 5.0;
-const double kThousandToOne = std::log(1000.0);
-constexpr double kOtherAttitude_rad = 0.35;
-constexpr int kMinMatched = 4;
+constexpr int kMinMatched = static_cast<int>(kMinPatternDots);
 constexpr std::size_t kMaxRefined = 40;
 
 Vector3d direction(const Vector2d& at) {
@@ -61,7 +58,7 @@ void score(Hypothesis& h, const std::vector<SeenDot>& seen, const DotPattern& pa
   std::vector<Near> near;
   std::vector<Vector3d> turned;
   for (const Vector3d& dot : pattern.dots) turned.push_back(h.attitude * dot);
-  const double farthest = kGate * sd * kGate * sd;
+  const double farthest = kFarthest_sd * sd * kFarthest_sd * sd;
   const double matched = -std::log(2.0 * kOthers * sd * sd);  // density about the dot over that of others
   for (std::size_t d = 0; d < turned.size(); ++d) {
     if (turned[d].z() < 0.0) continue;
@@ -113,12 +110,12 @@ std::vector<Hypothesis> hypotheses(const std::vector<SeenDot>& seen, const DotPa
     for (std::size_t j = i + 1; j < seen.size(); ++j) {
       const Vector3d a = direction(seen[i].at), b = direction(seen[j].at);
       const double apart = std::acos(std::clamp(a.dot(b), -1.0, 1.0));
-      if (apart < kMinPair_rad) continue;
+      if (apart < kApart_rad) continue;
       const Matrix3d to = frame_of(a, b);
       for (std::size_t k = 0; k < pattern.dots.size(); ++k) {
         for (std::size_t l = 0; l < pattern.dots.size(); ++l) {
           const Vector3d &p = pattern.dots[k], &q = pattern.dots[l];
-          if (k == l || std::abs(std::acos(std::clamp(p.dot(q), -1.0, 1.0)) - apart) > kPairWithin_rad)
+          if (k == l || std::abs(std::acos(std::clamp(p.dot(q), -1.0, 1.0)) - apart) > kFarthest_sd * kPairSd)
             continue;
           Hypothesis h{to * frame_of(p, q).transpose(), 0.0, {}};
           score(h, seen, pattern, kPairSd);
@@ -137,7 +134,7 @@ std::vector<Hypothesis> distinct(std::vector<Hypothesis> all, const std::vector<
   std::vector<Hypothesis> best;
   for (Hypothesis& h : all) {
     const auto same = [&](const Hypothesis& other) {
-      return angle_between(h.attitude, other.attitude) < kOtherAttitude_rad;
+      return angle_between(h.attitude, other.attitude) < kApart_rad;
     };
     if (std::ranges::any_of(best, same)) continue;
     for (const double now : {kPairSd, std::sqrt(kPairSd * sd), sd, sd}) {
@@ -169,8 +166,9 @@ class AttitudeFit {
       for (int step = 0; step < 8; ++step)
         if (!improve()) return std::nullopt;
       const std::size_t before = matches_.size();
-      std::erase_if(matches_,
-                    [&](const Match& m) { return squared(m) > kGate * kGate * std::max(1.0, reduced()); });
+      std::erase_if(matches_, [&](const Match& m) {
+        return squared(m) > kFarthest_sd * kFarthest_sd * std::max(1.0, reduced());
+      });
       if (matches_.size() == before) break;
     }
     if (std::ssize(matches_) < kMinMatched) return std::nullopt;

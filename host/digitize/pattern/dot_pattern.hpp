@@ -21,6 +21,8 @@ struct DotPattern {
 
 inline constexpr std::size_t kMinPatternDots = 4, kMaxPatternDots = 100;
 inline constexpr double kMinDotsApart_rad = 0.1;
+/// Of the radius: nearer to the middle no dot is lost towards the limb.
+inline constexpr double kSurelySeen = 0.8;
 
 /// A text of comma-separated values without a header, a dot a row: "x,y,z", a direction of length 1 to within
 /// a hundredth, or "theta,phi" in degrees, the angle from +z (0 to 180) and that about it from +x (-360 to

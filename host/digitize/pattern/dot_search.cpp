@@ -16,9 +16,7 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 constexpr double kFineRadius_px = 64.0;  ///< more pixels tell no more than their means do
-constexpr double kSmooth = 0.05;         ///< radii, sd
 constexpr double kStartWidth = 0.09;     ///< sd of a dot's darkness, radii
-constexpr double kAboveNoise = 5.0;
 constexpr double kOfDarkest = 0.25;
 constexpr std::size_t kMaxDots = 24;
 // So near the limb a dot is a sliver that shading hides.
@@ -143,7 +141,7 @@ std::optional<SeenDot> centroid(const Darkness& dark, const Vector2d& start, dou
 double common_width(const Darkness& dark, const std::vector<SeenDot>& dots, double width, double blur) {
   std::vector<double> widths;
   for (const SeenDot& dot : dots) {
-    if (dot.at.norm() > 0.75) continue;
+    if (dot.at.norm() > kSurelySeen) continue;
     const Moments m = moments(dark, dot.at, spread_of(dot.at, width, blur));
     const Vector2d along = Vector2d(-dot.at.y(), dot.at.x() + 1e-9).normalized();
     const double window = width * width + blur * blur;
@@ -155,7 +153,7 @@ double common_width(const Darkness& dark, const std::vector<SeenDot>& dots, doub
 }
 
 std::vector<Vector2d> dark_places(const Darkness& dark) {
-  const double sd = kSmooth * dark.disc->radius_image_px / dark.image->stride;
+  const double sd = 0.5 * kStartWidth * dark.disc->radius_image_px / dark.image->stride;
   cv::Mat sum, weight, norm;
   const cv::Mat usable = dark.weight > 0.0F;
   usable.convertTo(weight, CV_32F, 1.0 / 255.0);
@@ -165,7 +163,7 @@ std::vector<Vector2d> dark_places(const Darkness& dark) {
   const double noise = dark.noise / std::max(1.0, 2.0 * std::sqrt(CV_PI) * sd);
   double darkest = 0.0;
   cv::minMaxLoc(smooth, nullptr, &darkest, nullptr, nullptr, usable);
-  const auto least = static_cast<float>(std::max(kAboveNoise * noise, kOfDarkest * darkest));
+  const auto least = static_cast<float>(std::max(kFarthest_sd * noise, kOfDarkest * darkest));
   cv::Mat around;
   const int side = 2 * std::max(1, cvRound(1.2 * sd)) + 1;
   cv::dilate(smooth, around, cv::Mat::ones(side, side, CV_8U));
