@@ -123,10 +123,7 @@ std::optional<Quad> quad_at(const Photograph& photograph, std::span<const BallDi
   const auto other = alone(photograph, discs, b, c.at + inward, c.at - across, radius);
   if (!both || !none || !one || !other) return std::nullopt;
   const Quad quad{*both, *one, *other, *none};
-  // A ball that is hardly lit tells nothing, but by its texture.
-  constexpr double kMinRise = 0.15;
-  const double least = quad.none + kMinRise * (quad.both - quad.none);
-  if (!(quad.both > 0.0) || !(quad.one > least) || !(quad.other > least)) return std::nullopt;
+  if (!(quad.both > 0.0) || !(quad.one > quad.none) || !(quad.other > quad.none)) return std::nullopt;
   return quad;
 }
 
@@ -179,12 +176,12 @@ std::vector<double> log_powers(const Photograph& photograph, std::span<const Bal
 }  // namespace
 
 bool TransferCurve::is_proportional() const {
-  // Four sd of a median of a dozen: no false alarm in a thousand photographs. 0.85 widens no ball by more
-  // than the sd of its diameter, and no screen or camera writes an exponent between it and 1.
+  // 0.85 widens no ball by more than the sd of its diameter, and no screen or camera writes an exponent
+  // between it and 1.
   // Felt's grain and print scatter single crossings by a fifth.
-  constexpr double kCertain_sd = 4.0, kMatters = 0.15, kOfMarks = 0.6;
+  constexpr double kMatters = 0.15, kOfMarks = 0.6;
   if (scatter > kOfMarks) return true;
-  return std::abs(exponent - 1.0) < std::max(kCertain_sd * sd, kMatters);
+  return std::abs(exponent - 1.0) < std::max(kFarthest_sd * sd, kMatters);
 }
 
 std::optional<TransferCurve> measure_transfer(const Photograph& photograph, const PlaneMap& map,
@@ -196,9 +193,8 @@ std::optional<TransferCurve> measure_transfer(const Photograph& photograph, cons
   const double middle = upper_median(powers);
   std::vector<double> off;
   for (const double power : powers) off.push_back(std::abs(power - middle));
-  // Of a normal distribution: 1.48 median deviations are an sd, and a median's is 1.25 of a mean's.
-  const double scatter = 1.48 * upper_median(off);
-  const double noise = 1.25 * scatter / std::sqrt(static_cast<double>(powers.size()));
+  const double scatter = kSdOverMad * upper_median(off);
+  const double noise = kSdOfMedian * scatter / std::sqrt(static_cast<double>(powers.size()));
   const double sd = std::hypot(noise, by_bend(discs));
   const double exponent = std::exp(-middle);
   return TransferCurve{exponent, exponent * sd, static_cast<int>(powers.size()), scatter};
