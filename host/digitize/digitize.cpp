@@ -14,6 +14,7 @@
 #include "host/digitize/outliers/selection.hpp"
 #include "host/digitize/outline/outlines.hpp"
 #include "host/digitize/path/image_order.hpp"
+#include "host/digitize/path/leg_line.hpp"
 #include "host/digitize/refit.hpp"
 #include "host/digitize/surface/surface_line.hpp"
 #include "host/digitize/transfer/transfer_curve.hpp"
@@ -59,7 +60,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-constexpr std::size_t kMinOfLostLeg = 3;  // on a line they are a leg
+constexpr std::size_t kMinOfLostLeg = kMinOwnImages + 1;  // on a line they are a leg
 
 class Digitizer {
  public:
@@ -229,10 +230,9 @@ class Digitizer {
     follow_path(outlines);
   }
 
-  /// A line that was found may be the edge of anything, as of a lawn. On a real surface the path of a ball in
-  /// contact leaves its leg's by so much within a third of the contact.
+  /// A line that was found may be the edge of anything, as of a lawn. On a real surface a ball in contact
+  /// soon leaves its leg.
   bool passes_surface() const {
-    constexpr double kStraightOfDiameter = 0.03;
     if (!surface_ || settings_.surface) return false;
     std::vector<Eigen::Vector2d> airborne, touching;
     std::set<std::optional<Leg>> legs;
@@ -246,20 +246,19 @@ class Digitizer {
     if (touching.empty() || airborne.size() < 3 || legs.size() > 1 || !line) return false;
     return std::ranges::all_of(touching, [&](const Eigen::Vector2d& centre) {
       return std::abs(line->coordinates(centre).y()) <
-             kStraightOfDiameter * result_.outlines.front().diameter;
+             0.5 * kFliesOfRadius * result_.outlines.front().diameter;
     });
   }
 
   /// A ball that falls and rises along one line under flashes that are too close: of places one above the
   /// other hardly any can be measured.
   void tell_hidden() {
-    constexpr double kWidthOfDiameter = 0.12;
     constexpr std::ptrdiff_t kMany = 6;
     if (!surface_ || result_.outlines.empty()) return;
     const geometry::SurfaceFrame axes = surface_frame(*surface_);
     const auto along = [&](const cv::Point2d& centre) { return axes.from_image(to_eigen(centre)).x(); };
     const double at = along(result_.outlines.front().centre);
-    const double width = kWidthOfDiameter * result_.outlines.front().diameter;
+    const double width = kBandOfDiameter * result_.outlines.front().diameter;
     const auto measured = std::ranges::count_if(
         result_.outlines, [&](const Outline& o) { return std::abs(along(o.centre) - at) <= width; });
     const auto hidden = std::ranges::count_if(result_.unmeasured, [&](const Unmeasured& u) {

@@ -5,8 +5,10 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
+#include "host/digitize/core/statistics.hpp"
 #include "host/digitize/path/leg_line.hpp"
 
 namespace strobe::digitize {
@@ -60,12 +62,8 @@ namespace {
 // Across one diameter of travel the scale changes by up to about a tenth where the ball flies steeply towards
 // the camera; a camera held askew by some degrees makes a term of the same size.
 constexpr double kPerspectiveSd = 0.1;
-// Where the curve's own height is worth less than this share of a height beside it, it turns back over
-// itself.
-constexpr double kMinUniqueness = 0.2;
 // The weight of a prior that leaves a term out.
 constexpr double kLeftOut = 1e18;
-constexpr double kMaxUpwards_sd = 3.0;
 constexpr int kReweightings = 3;
 
 }  // namespace
@@ -132,11 +130,11 @@ bool FlightCurve::solve(std::span<const PathPoint> points, std::span<const int> 
 }
 
 bool FlightCurve::is_flight(std::span<const PathPoint> points, std::span<const int> members) const {
-  if (value_[2] > kMaxUpwards_sd * std::sqrt(covariance_(2, 2))) return false;
+  if (value_[2] > kFarthest_sd * std::sqrt(covariance_(2, 2))) return false;
   return std::ranges::all_of(members, [&](int i) {
     const cv::Point2d p = point_at(points, i).at;
     const double u = (p.x - origin_.x) / unit_px_, v = (p.y - origin_.y) / unit_px_;
-    return 1.0 - value_[3] * u - 2.0 * value_[4] * v > kMinUniqueness;
+    return 1.0 - value_[3] * u - 2.0 * value_[4] * v > 0.0;  // else it turns back over itself
   });
 }
 
@@ -155,20 +153,9 @@ namespace {
 
 using Shape = FlightCurve::Shape;
 
-// One leg in a thousand photographs may be made of what is no ball.
-constexpr double kMaxLog10ByChance = -3.0;
-// A seed is three images among so many neighbours of the first and the second: some are hidden, some are
-// none.
+// A seed is three images among so many neighbours of the first and the second, and the next image is within
+// as many of the longest step: some are hidden, some are none, trains have unequal intervals.
 constexpr std::size_t kNeighbours = 4;
-// The next image of a leg is within so many of its longest step: trains have unequal intervals, images are
-// hidden.
-constexpr double kLongestGap = 4.0;
-constexpr double kAllowed_sd = 3.0;
-// A curve known no better than this share of a diameter predicts no image.
-constexpr double kVagueOfDiameter = 0.5;
-constexpr double kMinAsideOfDiameter = 0.05;
-// How far a bounce may be from between its legs' images, and above touching the surface.
-constexpr double kBounceNoise = 0.4;
 
 class LegSearch {
  public:
@@ -216,7 +203,7 @@ class LegSearch {
   }
 
   double allowed_off(int i, const FlightCurve& curve) const {
-    return leg_tolerance(point_at(points_, i), d_) + kAllowed_sd * curve.sd(at(i));
+    return leg_tolerance(point_at(points_, i), d_) + kFarthest_sd * curve.sd(at(i));
   }
 
   double longest_step(const std::vector<int>& members) const {
@@ -228,17 +215,17 @@ class LegSearch {
 
   /// The nearest image that the curve leads to.
   std::optional<int> nearest_on(const FlightCurve& curve, const std::vector<int>& members) const {
-    double least = kLongestGap * longest_step(members);
+    double least = kNeighbours * longest_step(members);
     std::optional<int> nearest;
     for (const int i : free_) {
-      if (has(members, i) || kAllowed_sd * curve.sd(at(i)) > kVagueOfDiameter * d_) continue;
+      if (has(members, i) || kFarthest_sd * curve.sd(at(i)) > 0.5 * d_) continue;
       if (std::abs(curve.off(at(i))) > allowed_off(i, curve)) continue;
       double apart = std::numeric_limits<double>::infinity(), aside = apart;
       for (const int m : members) {
         apart = std::min(apart, cv::norm(at(m) - at(i)));
         aside = std::min(aside, std::abs(at(m).x - at(i).x));
       }
-      if (apart > least || aside < kMinAsideOfDiameter * d_) continue;
+      if (apart > least || aside < kSamePlaceOfDiameter * d_) continue;
       least = apart;
       nearest = i;
     }
@@ -247,7 +234,7 @@ class LegSearch {
 
   void grow(std::vector<int> members, std::vector<Candidate>& candidates) const {
     for (std::size_t k = 1; k < members.size(); ++k)
-      if (at(members[k]).x - at(members[k - 1]).x < kMinAsideOfDiameter * d_) return;
+      if (at(members[k]).x - at(members[k - 1]).x < kSamePlaceOfDiameter * d_) return;
     const bool known = std::ranges::any_of(candidates, [&](const Candidate& c) {
       return std::ranges::all_of(members, [&](int i) { return has(c.leg.members, i); });
     });
@@ -262,7 +249,7 @@ class LegSearch {
     }
     if (!curve) return;
     const double log10_chance = by_chance(members);
-    if (log10_chance > kMaxLog10ByChance) return;
+    if (-log10_chance * std::numbers::ln10 < kThousandToOne) return;
     FlightLeg leg{*curve, std::move(members), 0.0};
     for (const int i : leg.members) leg.weight += point_at(points_, i).weight;
     candidates.push_back({std::move(leg), log10_chance});

@@ -11,18 +11,13 @@
 #include "common/reduction/matching/flash_match.hpp"
 #include "common/units/angles.hpp"
 #include "host/digitize/core/statistics.hpp"
+#include "host/digitize/path/flight_legs.hpp"
 #include "host/digitize/path/path_order.hpp"
 
 namespace strobe::digitize {
 namespace {
 
 using reduction::Leg;
-
-// A match that is worse by this much in chi-squared per degree of freedom has the wrong direction.
-constexpr double kClearlyWorse = 12.0;
-// Legs whose speeds along the normal differ by less than this share do not tell the direction.
-constexpr double kSameNormalSpeed = 0.04;
-constexpr double kMinNoise_px = 0.1;
 
 const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
 
@@ -90,7 +85,7 @@ class Orderer {
       variance += p.sd_px * p.sd_px;
     }
     variance /= static_cast<double>(track.images.size());
-    track.sd_px = std::max(kMinNoise_px, std::sqrt(variance));
+    track.sd_px = std::max(kMinResidual_px, std::sqrt(variance));
     if (path_.straight) matching::allow_for_drop(track);
     return track;
   }
@@ -125,7 +120,7 @@ class Orderer {
     const double freedom = std::max(1.0, a.degrees_of_freedom);
     const double scale = std::max(1.0, std::min(a.match.chi_squared, b.match.chi_squared) / freedom);
     const double difference = (a.match.chi_squared - b.match.chi_squared) / scale;
-    if (std::abs(difference) > kClearlyWorse) return difference < 0.0 ? 1 : -1;
+    if (0.5 * std::abs(difference) > kThousandToOne) return difference < 0.0 ? 1 : -1;
     return 0;
   }
 
@@ -141,7 +136,7 @@ class Orderer {
     }
     const double difference = in_right - in_left;
     if (in_right <= 0.0 || in_left <= 0.0 ||
-        std::abs(difference) < kSameNormalSpeed * std::max(in_right, in_left)) {
+        std::abs(difference) < kSameSpeed * std::max(in_right, in_left)) {
       result_.remarks.push_back("the two legs do not tell the direction of travel: taken to be to the right");
       return take(right, tr);
     }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/geometry/line.hpp"
+#include "host/digitize/core/statistics.hpp"
 #include "host/digitize/path/flight_legs.hpp"
 
 namespace strobe::digitize {
@@ -17,10 +18,6 @@ namespace {
 
 // The bend of a leg at 5 m/s, g/(2 v²) = 0.2 per metre, for a ball of 65 mm; and some more.
 constexpr double kMaxBendOfDiameter = 0.02;
-constexpr double kLooseOfDiameter = 0.12;
-constexpr double kInlier_sd = 4.0;
-// Two centres closer than this give no direction.
-constexpr double kMinStepOfDiameter = 0.1;
 
 /// The members are not all at one place.
 LegLine straight(std::span<const PathPoint> points, const std::vector<int>& members, double diameter_px) {
@@ -114,7 +111,7 @@ std::vector<int> loosely_near(std::span<const PathPoint> points, std::span<const
                               const LegLine& line, double diameter_px) {
   std::vector<int> members;
   for (const int i : eligible) {
-    if (std::abs(line.off(point_at(points, i).at)) <= kLooseOfDiameter * diameter_px) members.push_back(i);
+    if (std::abs(line.off(point_at(points, i).at)) <= kBandOfDiameter * diameter_px) members.push_back(i);
   }
   return members;
 }
@@ -141,7 +138,7 @@ double LegLine::sd(cv::Point2d p) const {
 
 double leg_tolerance(const PathPoint& point, double diameter_px, double leg_sd_px) {
   const double sd = std::sqrt(variance_across(point, diameter_px) + leg_sd_px * leg_sd_px);
-  return std::max(kInlier_sd * point.sd_px, std::min(kInlier_sd * sd, kLooseOfDiameter * diameter_px));
+  return std::max(kFarthest_sd * point.sd_px, std::min(kFarthest_sd * sd, kBandOfDiameter * diameter_px));
 }
 
 std::vector<LegLine> leg_lines(std::span<const PathPoint> points, std::span<const int> eligible,
@@ -149,7 +146,7 @@ std::vector<LegLine> leg_lines(std::span<const PathPoint> points, std::span<cons
   std::vector<LegLine> lines;
   std::set<std::vector<int>> known;
   const auto offer = [&](std::vector<int> members) {
-    if (members.size() < 2 || spread(points, members) < kMinStepOfDiameter * diameter_px) return;
+    if (members.size() < 2 || spread(points, members) < kSamePlaceOfDiameter * diameter_px) return;
     if (!known.insert(members).second) return;
     lines.push_back(fit_leg_line(points, std::move(members), diameter_px));
   };
@@ -157,7 +154,7 @@ std::vector<LegLine> leg_lines(std::span<const PathPoint> points, std::span<cons
     for (std::size_t b = a + 1; b < eligible.size(); ++b) {
       const PathPoint& pa = point_at(points, eligible[a]);
       const PathPoint& pb = point_at(points, eligible[b]);
-      if (cv::norm(pa.at - pb.at) < kMinStepOfDiameter * diameter_px) continue;
+      if (cv::norm(pa.at - pb.at) < kSamePlaceOfDiameter * diameter_px) continue;
       const LegLine pair = through(pa, pb);
       offer(near_line(points, eligible, pair, diameter_px));
       std::vector<int> members = loosely_near(points, eligible, pair, diameter_px);
@@ -174,15 +171,11 @@ std::vector<LegLine> leg_lines(std::span<const PathPoint> points, std::span<cons
 
 namespace {
 
-// In diameters: how far the order of touchdown and lift-off may be wrong where the ball goes straight down
-// and up.
-constexpr double kCrossingNoise = 0.4;
-constexpr double kNearApex = 3.0;
 constexpr double kLegCost = 0.5;
 constexpr double kLegCostBlind = 1.2;
-constexpr double kMinSlope = 0.03;
+constexpr double kMinSlope = 0.03;  // as good as parallel to the surface, or as straight above a place
 // Without a surface one photograph in ten may have a second leg of what is no ball. A line at random meets
-// the first leg's within kNearApex of its end in one of six photographs (18 diameters wide), begins within as
+// the first leg's within a contact of its end in one of six photographs (18 diameters wide), begins within as
 // much from there in one of six, and leads upwards in one of two.
 constexpr double kMaxLog10SecondLegs = -1.0;
 constexpr double kMeetByChance = 1.0 / 72.0;
@@ -227,13 +220,13 @@ class LegPair {
     const double apart = std::abs(ca->x - cb->x);
     if (ca->side * cb->side > 0) return apart <= d_;
     if (ca->side > cb->side) std::swap(ca, cb);  // the left one first
-    return cb->x - ca->x >= -kCrossingNoise * d_ && apart <= kLongestContact * d_;
+    return cb->x - ca->x >= -kBounceNoise * d_ && apart <= kLongestContact * d_;
   }
 
   /// Both legs go up from where their lines meet, and start near it.
   bool meet_somewhere(const LegLine& a, const LegLine& b) const {
     const double sine = a.along.cross(b.along);
-    if (std::abs(sine) < 0.08) return false;
+    if (std::abs(sine) < kSameDirection) return false;
     const double s = (b.origin - a.origin).cross(b.along) / sine;
     const cv::Point2d apex = a.origin + s * a.along;
     for (const LegLine* leg : {&a, &b}) {
@@ -242,10 +235,10 @@ class LegPair {
       double nearest = std::numeric_limits<double>::infinity();
       for (const int i : leg->members) {
         const double place = (point_at(points_, i).at - apex).dot(far) / cv::norm(far);
-        if (place < -0.3 * d_) return false;
+        if (place < -kBounceNoise * d_) return false;
         nearest = std::min(nearest, place);
       }
-      if (nearest > kNearApex * d_) return false;
+      if (nearest > kLongestContact * d_) return false;
     }
     return true;
   }
@@ -284,7 +277,7 @@ std::optional<Crossing> crossing(const LegLine& line, double diameter_px) {
   if (std::abs(line.along.y) < kMinSlope) return std::nullopt;
   const double s = (0.5 * diameter_px - line.origin.y) / line.along.y;
   const cv::Point2d up = line.along.y > 0 ? line.along : -line.along;
-  return Crossing{line.origin.x + s * line.along.x, up.x > 0.03 ? 1.0 : up.x < -0.03 ? -1.0 : 0.0};
+  return Crossing{line.origin.x + s * line.along.x, up.x > kMinSlope ? 1.0 : up.x < -kMinSlope ? -1.0 : 0.0};
 }
 
 cv::Point2d far_end(std::span<const PathPoint> points, const LegLine& leg, cv::Point2d from) {

@@ -28,6 +28,13 @@ struct LegLine {
   double sd(cv::Point2d p) const;
 };
 
+/// The band in which legs gather their images, and in which images lie on one line, in diameters.
+inline constexpr double kBandOfDiameter = 0.12;
+/// In diameters. Two centres closer than this give no direction, and images that are have one outline.
+inline constexpr double kSamePlaceOfDiameter = 0.1;
+/// Lines within 6 degrees of each other are not told apart by their directions.
+inline constexpr double kSameDirection = 0.1;
+
 /// Largest distance of an inlier from its leg, whose own sd there is `leg_sd_px`.
 double leg_tolerance(const PathPoint& point, double diameter_px, double leg_sd_px = 0.0);
 
@@ -40,6 +47,8 @@ std::vector<LegLine> leg_lines(std::span<const PathPoint> points, std::span<cons
 
 /// How far apart the ball may touch down and lift off, in diameters: 9 ms at 20 m/s.
 inline constexpr double kLongestContact = 2.8;
+/// In diameters: how far a bounce may be from where its legs' images and lines have it.
+inline constexpr double kBounceNoise = 0.4;
 /// Images that fix a line.
 inline constexpr std::size_t kMinOwnImages = 2;
 

@@ -16,15 +16,6 @@
 #include "host/digitize/path/straight_drop.hpp"
 
 namespace strobe::digitize {
-namespace {
-
-// Contact shows from a hundredth of the radius on.
-constexpr double kMinCompressionOfRadius = 0.01;
-// A wide lens without a calibration moves centres by about that share of the diameter against a smooth path.
-constexpr double kLensOfDiameter = 0.005;
-
-}  // namespace
-
 double variance_across(const PathPoint& point, double diameter_px) {
   const double lens = kLensOfDiameter * diameter_px;
   return point.sd_px * point.sd_px + lens * lens;
@@ -56,26 +47,16 @@ PathContext path_context(std::span<const Outline> outlines, const std::optional<
 
 bool touches(double height_px, double sd_px, const PathContext& context) {
   if (!context.surface_known) return false;
-  const double radius = 0.5 * context.diameter_px;
   return height_px <
-         radius - std::max(4.0 * std::hypot(sd_px, context.surface_sd_px), kMinCompressionOfRadius * radius);
+         0.5 * context.diameter_px - std::max(kFarthest_sd * std::hypot(sd_px, context.surface_sd_px),
+                                              kLensOfDiameter * context.diameter_px);
 }
 
 namespace {
 
-constexpr double kContactMargin = 0.2;  ///< in diameters, beyond where the legs meet the surface
-constexpr double kLoneWeight = 0.6;     ///< of an image that is to be a leg by itself
 constexpr std::size_t kMaxLegLines = 80;
-// A path within 6 degrees of the normal whose images all lie in the band in which legs gather their images
-// (leg_line.cpp) is told apart by times only.
-constexpr double kMaxDropSlope = 0.1;
-constexpr double kDropWidth = 0.12;
-// A ball pressed by less than this is still where free flight has it: of 5 ms in contact that is a quarter of
-// a millisecond, in which 7 m/s change by .6 %.
-constexpr double kFliesOfRadius = 0.05;
 // An image more or less near the surface is worth less to a leg than one in contact does harm.
 constexpr double kDoubt_sd = 3.0;
-constexpr std::size_t kMinOfLeg = 3;  ///< that is left: two have no residual
 // The fastest shots compress a ball by 0.7 of its radius.
 constexpr double kMaxCompressionOfRadius = 0.85;
 
@@ -105,7 +86,8 @@ class Finder {
       const PathPoint& p = point_at(points_, i);
       if (!context_.surface_known) {
         airborne_.push_back(i);
-      } else if (p.at.y < 0.5 * d_ * (1.0 - kMaxCompressionOfRadius) - 4.0 * context_.surface_sd_px) {
+      } else if (p.at.y <
+                 0.5 * d_ * (1.0 - kMaxCompressionOfRadius) - kFarthest_sd * context_.surface_sd_px) {
         path_.outliers.push_back({i, true, false, 0.0});
       } else if (touches(p.at.y, p.sd_px, context_)) {
         low_.push_back(i);
@@ -163,7 +145,7 @@ class Finder {
         to = std::max(to.value_or(c->x), c->x);
       }
     }
-    const double margin = kept_.size() == 2 ? kContactMargin * d_ : kLongestContact * d_;
+    const double margin = kept_.size() == 2 ? kBounceNoise * d_ : kLongestContact * d_;
     for (const int i : low_) {
       const double x = point_at(points_, i).at.x;
       if (!from || (x >= *from - margin && x <= *to + margin)) path_.contact.push_back(i);
@@ -185,7 +167,7 @@ class Finder {
     longest = cv::norm(end - touch) / static_cast<double>(legs_[0].size());
     std::vector<int> found;
     for (const int i : airborne_) {
-      if (member(i) || point_at(points_, i).weight < kLoneWeight) continue;
+      if (member(i) || point_at(points_, i).weight <= leg_cost(context_)) continue;
       const cv::Point2d from = point_at(points_, i).at - touch;
       if (cv::norm(from) <= kLongestContact * d_ + longest && from.x * c->side <= 0.0) found.push_back(i);
     }
@@ -272,14 +254,14 @@ class Finder {
     std::ranges::sort(path_.contact, {}, [this](int i) { return point_at(points_, i).at.x; });
   }
 
-  /// The images of a ball that goes straight down and up; empty if the path's legs can be told by their
-  /// places.
+  /// The images of a ball that goes straight down and up, along the normal and in one band: only times tell
+  /// its legs. Empty if their places do.
   std::vector<int> images_on_one_line() const {
     if (!context_.surface_known || path_.curved || kept_.empty()) return {};
     const LegLine& line = kept_.front();
-    if (std::abs(line.along.x) > kMaxDropSlope) return {};
+    if (std::abs(line.along.x) > kSameDirection) return {};
     const auto on_line = [&](int i) {
-      return std::abs(line.off(point_at(points_, i).at)) <= kDropWidth * d_;
+      return std::abs(line.off(point_at(points_, i).at)) <= kBandOfDiameter * d_;
     };
     for (const auto& leg : path_.legs)
       if (!std::ranges::all_of(leg, on_line)) return {};
@@ -301,7 +283,7 @@ class Finder {
     for (std::size_t k = 0; k < path_.legs.size(); ++k) {
       std::vector<int>& leg = path_.legs[k];
       const auto lowest = [&] { return k == 0 ? std::prev(leg.end()) : leg.begin(); };
-      while (leg.size() > kMinOfLeg && point_at(points_, *lowest()).at.y < flies) {
+      while (leg.size() > kMinOwnImages + 1 && point_at(points_, *lowest()).at.y < flies) {
         path_.contact.push_back(*lowest());
         std::erase(path_.ambiguous, *lowest());
         leg.erase(lowest());

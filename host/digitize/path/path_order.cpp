@@ -4,12 +4,10 @@
 #include <cmath>
 
 #include "host/digitize/path/flight_legs.hpp"
+#include "host/digitize/path/leg_line.hpp"
 
 namespace strobe::digitize {
 namespace {
-
-// Heights of flights that differ by less than this share of the diameter do not tell which came first.
-constexpr double kSameHeightOfDiameter = 0.04;
 
 cv::Point2d place_of(std::span<const PathPoint> points, int i) {
   return points[static_cast<std::size_t>(i)].at;
@@ -127,13 +125,14 @@ PathOrder path_order(std::span<const PathPoint> points, const Path& path, bool r
   return order;
 }
 
+/// Flights that differ in height by no more than places do, do not tell which came first.
 int falling_heights(std::span<const PathPoint> points, const std::vector<std::vector<int>>& legs,
                     double diameter_px) {
   for (std::size_t k = 1; k < legs.size(); ++k) {
     const Top before = top_of(points, legs[k - 1], diameter_px), after = top_of(points, legs[k], diameter_px);
     const double lower = before.y - after.y;
-    if (after.seen && lower > kSameHeightOfDiameter * diameter_px) return 1;
-    if (before.seen && lower < -kSameHeightOfDiameter * diameter_px) return -1;
+    if (after.seen && lower > kSamePlaceOfDiameter * diameter_px) return 1;
+    if (before.seen && lower < -kSamePlaceOfDiameter * diameter_px) return -1;
   }
   return 0;
 }

@@ -11,25 +11,16 @@
 
 #include "common/geometry/leg.hpp"
 #include "common/reduction/matching/track.hpp"
+#include "host/digitize/core/statistics.hpp"
+#include "host/digitize/path/leg_line.hpp"
 
 namespace strobe::digitize {
 namespace {
 
-constexpr double kDropTolerance_sd = 4.0;
-constexpr double kDropToleranceOfDiameter = 0.02;
 // -ln of 0.3: where flights overlap, that many images hide each other.
 constexpr double kMissedCost = 1.2;
 // -ln of 1 %: how rarely an outline that has passed all other checks is no ball.
 constexpr double kNoBallCost = 4.6;
-// ln of 1000: how much likelier than other flights.
-constexpr double kMinAdvantage = 6.9;
-// Flights whose speeds differ by less than this share are one, seen through one image more or less.
-constexpr double kSameSpeed = 0.02;
-// Two images nearer than this share of the diameter have one outline between them.
-constexpr double kOneOutline = 0.1;
-// How well touchdown and lift-off are known: a step of 0.1 diameters at 5 m/s.
-constexpr double kDwellSlack_s = 1.5e-3;
-constexpr double kMinRestitution = 0.2, kMaxRestitution = 1.02;
 // Flashes from the first image of a seed to the second: two between may have none.
 constexpr int kSeedFlashes = 3;
 // Images of the other flight may lie between those of a seed.
@@ -54,11 +45,16 @@ struct Fall {
 
 std::uint64_t bit(int image) { return std::uint64_t{1} << static_cast<unsigned>(image); }
 
+/// How far an image may be from where its flight has it.
+double tolerance_px(double sd_px, double diameter_px) {
+  return kFarthest_sd * std::hypot(sd_px, kLensOfDiameter * diameter_px);
+}
+
 /// Of an image where a flight predicts it, against one anywhere: ln of the ratio of likelihoods.
 double information(std::span<const DropImage> images, const PathContext& context) {
   double highest_px = 0.0;
   for (const DropImage& image : images) highest_px = std::max(highest_px, image.height_px);
-  return std::log(std::max(2.0, highest_px / (2.0 * kDropToleranceOfDiameter * context.diameter_px)));
+  return std::log(std::max(2.0, highest_px / (2.0 * tolerance_px(0.0, context.diameter_px))));
 }
 
 class FallSearch {
@@ -103,8 +99,7 @@ class FallSearch {
   double time_s(int flash) const { return times_s_[static_cast<std::size_t>(flash)]; }
 
   double tolerance(int i) const {
-    return std::max(kDropToleranceOfDiameter * context_.diameter_px,
-                    kDropTolerance_sd * images_[static_cast<std::size_t>(i)].sd_px);
+    return tolerance_px(images_[static_cast<std::size_t>(i)].sd_px, context_.diameter_px);
   }
 
   /// Downwards, at a place between those of these images.
@@ -148,7 +143,7 @@ class FallSearch {
          flash += step) {
       const double height_px = predicted_px(places, flash);
       if (height_px < 0.5 * context_.diameter_px ||
-          height_px > highest_px_ + kOneOutline * context_.diameter_px)
+          height_px > highest_px_ + kSamePlaceOfDiameter * context_.diameter_px)
         return;
       // At the top of its flight.
       if ((step < 0) != (height_px > places.back().height_px)) return;
@@ -234,9 +229,11 @@ struct Pair {
   }
 };
 
-/// `information` is an image's; images that both flights claim are explained once.
+/// `information` is an image's; images that both flights claim are explained once. Touchdown and lift-off are
+/// known to a place.
 std::vector<Pair> pairs_of(const std::vector<Fall>& downs, const std::vector<Fall>& ups, double information,
-                           const matching::DwellLimits& dwell) {
+                           const PathContext& context) {
+  const auto dwell = matching::DwellLimits::of_diameter(context.ball_diameter_m);
   std::vector<Pair> pairs;
   for (const Fall& up : ups) pairs.push_back({nullptr, &up, up.score});
   std::vector<const Fall*> by_lift;
@@ -244,12 +241,12 @@ std::vector<Pair> pairs_of(const std::vector<Fall>& downs, const std::vector<Fal
   std::ranges::sort(by_lift, {}, [](const Fall* up) { return -up->touch_s; });
   for (const Fall& down : downs) {
     pairs.push_back({&down, nullptr, down.score});
-    const double earliest = down.touch_s + dwell.least_s - kDwellSlack_s;
-    const double latest = down.touch_s + dwell.most_s + kDwellSlack_s;
+    const double slack_s = kSamePlaceOfDiameter * context.diameter_px / down.speed_pxps;
+    const double earliest = down.touch_s + dwell.least_s - slack_s;
+    const double latest = down.touch_s + dwell.most_s + slack_s;
     auto up = std::ranges::lower_bound(by_lift, earliest, {}, [](const Fall* f) { return -f->touch_s; });
     for (; up != by_lift.end() && -(*up)->touch_s <= latest; ++up) {
-      const double restitution = (*up)->speed_pxps / down.speed_pxps;
-      if (restitution < kMinRestitution || restitution > kMaxRestitution) continue;
+      if ((*up)->speed_pxps > (1.0 + kSameSpeed) * down.speed_pxps) continue;  // a bounce adds no energy
       const int shared = std::popcount(down.images & (*up)->images);
       pairs.push_back({&down, *up, down.score + (*up)->score - shared * (information + kNoBallCost)});
     }
@@ -257,12 +254,13 @@ std::vector<Pair> pairs_of(const std::vector<Fall>& downs, const std::vector<Fal
   return pairs;
 }
 
-/// The likeliest pair, if it is likelier by kMinAdvantage than any of other numbers.
+/// The likeliest pair, if it is clearly likelier than any of other numbers: flights of the same speed are
+/// one, seen through one image more or less.
 std::optional<Pair> likeliest(const std::vector<Pair>& pairs) {
   if (pairs.empty()) return std::nullopt;
   const Pair best = *std::ranges::max_element(pairs, {}, &Pair::score);
   for (const Pair& pair : pairs)
-    if (!pair.same_numbers(best) && best.score - pair.score < kMinAdvantage) return std::nullopt;
+    if (!pair.same_numbers(best) && best.score - pair.score < kThousandToOne) return std::nullopt;
   return best;
 }
 
@@ -276,7 +274,7 @@ StraightDrop::Flight flight_of(const Fall& fall, const Fall& other, double diame
     if (p.image < 0) continue;
     const bool both = std::ranges::any_of(other.places, [&](const Fall::Place& q) {
       const bool apart = q.image >= 0 && q.image != p.image;
-      return !apart && std::abs(q.height_px - p.height_px) < kOneOutline * diameter_px;
+      return !apart && std::abs(q.height_px - p.height_px) < kSamePlaceOfDiameter * diameter_px;
     });
     if (both) {
       doubled.push_back(p.image);
@@ -309,8 +307,7 @@ std::optional<StraightDrop> split_drop(std::span<const DropImage> images, const 
   const std::vector<double> times(context.flash_times_s.begin(), context.flash_times_s.end());
   const std::vector<Fall> downs = FallSearch(images, context, times, 1.0).run();
   const std::vector<Fall> ups = FallSearch(images, context, reversed(times), -1.0).run();
-  const std::vector<Pair> pairs = pairs_of(downs, ups, information(images, context),
-                                           matching::DwellLimits::of_diameter(context.ball_diameter_m));
+  const std::vector<Pair> pairs = pairs_of(downs, ups, information(images, context), context);
   const auto best = likeliest(pairs);
   if (!best || !best->bounces()) return std::nullopt;
   StraightDrop drop = drop_of(*best, static_cast<int>(times.size()), context.diameter_px);
