@@ -16,6 +16,10 @@ inline constexpr double kSdOverMad = 1.4826;
 /// The sd of a normal sample's median over that of its mean: the root of pi / 2.
 inline constexpr double kSdOfMedian = 1.2533;
 
+/// Where the biweight ends: 95 % efficient on normal errors, and blind to what is farther out (Beaton and
+/// Tukey, Technometrics 16, 1974).
+inline constexpr double kBiweightReach_sd = 4.685;
+
 /// What is further off than this is something else: of normal errors one in 16,000 is.
 inline constexpr double kFarthest_sd = 4.0;
 /// How much likelier one explanation must be than the next to be believed: a thousand to one, as a logarithm

@@ -251,7 +251,7 @@ class Regression {
         fit_.segments[k].offset = raw_[k] - row(fit_.segments[k]).dot(change);
       if (round < kScaleRounds) update_scale();
       for (Segment& s : fit_.segments) {
-        const double t = std::abs(s.offset) * std::sqrt(s.weight) / (kTukey * scale_);
+        const double t = std::abs(s.offset) * std::sqrt(s.weight) / (kBiweightReach_sd * scale_);
         s.inlier_weight = t < 1.0 ? (1.0 - t * t) * (1.0 - t * t) : 0.0;
       }
     }
@@ -265,7 +265,6 @@ class Regression {
   }
 
  private:
-  static constexpr double kTukey = 4.685;  // 95 % efficient on normal errors
   static constexpr int kMaxRounds = 12;
   static constexpr int kScaleRounds = 6;
   static constexpr double kParameters = 2.5;  // the priors take half of one
@@ -320,7 +319,7 @@ class Regression {
     double psi2 = 0.0, slope = 0.0, products = 0.0, weights = 0.0, inliers = 0.0, square = 0.0;
     for (std::size_t k = 0; k < fit_.segments.size(); ++k) {
       const Segment& s = fit_.segments[k];
-      const double r = s.offset * std::sqrt(s.weight), t = r / (kTukey * scale_);
+      const double r = s.offset * std::sqrt(s.weight), t = r / (kBiweightReach_sd * scale_);
       psi2 += r * r * s.inlier_weight * s.inlier_weight;
       if (t * t < 1.0) slope += (1.0 - t * t) * (1.0 - 5.0 * t * t);
       weights += s.weight;
@@ -404,7 +403,7 @@ void set_contrast_statistics(LineFit& fit) {
   const double typical = upper_median(contrasts);
   for (double& c : contrasts) c = std::abs(c - typical);
   fit.contrast_significance =
-      typical * std::sqrt(n) / (kSdOverMad * 1.2533 * upper_median(std::move(contrasts)) + 1e-6);
+      typical * std::sqrt(n) / (kSdOverMad * kSdOfMedian * upper_median(std::move(contrasts)) + 1e-6);
 }
 
 /// Returns false if there is no dark line.

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kMinSamples = 5;
 constexpr double kMinSd = 5e-4;  // no ball can be said to be rounder
 constexpr double kMaxSd = 0.02;
-constexpr double kTukey2 = 4.685 * 4.685;
+constexpr double kTukey2 = kBiweightReach_sd * kBiweightReach_sd;
 constexpr double kMedianOfSquares = 1.386;  // of two normal numbers' sum
 
 cv::Matx22d precision_of(const OvalSample& sample, double extra) {

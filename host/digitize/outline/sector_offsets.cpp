@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/digitize/core/statistics.hpp"
+
 namespace strobe::digitize {
 
 namespace {
 
-constexpr double kTukey = 4.685;   // 95 % efficient on normal errors
 constexpr double kMaxSd_px = 1.0;  // of a sector's offset
 
 bool is_usable(const SectorEdge& edge) { return edge.usable && edge.sd_px < kMaxSd_px; }
@@ -84,7 +85,7 @@ void reweight(SectorOffsets& offsets, std::span<const double> residuals) {
     offsets.weight[i] = offsets.robust[i] = offsets.sensitivity[i] = 0.0;
     if (!is_usable(edge)) continue;
     const double variance = variance_of(offsets, i) + offsets.extra_variance;
-    const double z2 = residuals[i] * residuals[i] / (variance * kTukey * kTukey);
+    const double z2 = residuals[i] * residuals[i] / (variance * kBiweightReach_sd * kBiweightReach_sd);
     if (z2 >= 1.0) continue;
     offsets.robust[i] = (1.0 - z2) * (1.0 - z2);
     offsets.weight[i] = offsets.robust[i] / variance;

@@ -156,9 +156,6 @@ constexpr std::size_t kLongBlocks = 8, kShortBlocks = 24;
 constexpr std::size_t kProfilesForBlur = 24;
 // Of any lens that is in focus, up to where the samples' reach holds 3 sd.
 constexpr double kMinBlur_px = 0.2, kMaxBlur_px = 3.0, kBlurRatio = 1.5;
-// For a normal sample 95 % efficient, and blind to what is farther out (Beaton and Tukey, Technometrics 16,
-// 1974).
-constexpr double kBiweight_sd = 4.685;
 constexpr int kRounds = 6;
 constexpr double kCutOff_px = 1.0;
 
@@ -201,7 +198,7 @@ Coefficients robust_line(std::vector<Place>& places, double slope) {
   for (int round = 0; round < kRounds; ++round) {
     std::vector<double> away;
     for (const Place& p : places) away.push_back(std::abs(off(line, p)));
-    const double reach = std::max(1e-9, kBiweight_sd * kSdOverMad * upper_median(std::move(away)));
+    const double reach = std::max(1e-9, kBiweightReach_sd * kSdOverMad * upper_median(std::move(away)));
     NormalEquations equations;
     for (Place& p : places) {
       const double share = off(line, p) / reach;
