@@ -37,6 +37,18 @@ struct Decoded {
   cv::Mat grey;
 };
 
+/// Of light of which one colour is cut off the sum is not known: it counts as saturated, as a mosaic's does.
+void fill_where_a_colour_is_full(const cv::Mat& colours, cv::Mat& grey) {
+  cv::Mat strongest, colour;
+  cv::extractChannel(colours, strongest, 0);
+  for (int c = 1; c < colours.channels(); ++c) {
+    cv::extractChannel(colours, colour, c);
+    cv::max(strongest, colour, strongest);
+  }
+  const double top = grey.depth() == CV_8U ? 255.0 : 65535.0;
+  grey.setTo(top, strongest >= saturation_level(strongest));
+}
+
 Result<Decoded> decode_grey(std::span<const unsigned char> bytes) {
   auto raster = image::decode(bytes);
   if (!raster) return tl::unexpected(raster.error());
@@ -47,6 +59,7 @@ Result<Decoded> decode_grey(std::span<const unsigned char> bytes) {
   if (raster->channels() == 1) return Decoded{std::move(*raster), pixels};  // a mosaic, too
   Decoded decoded;
   cv::cvtColor(pixels, decoded.grey, cv::COLOR_RGB2GRAY);
+  fill_where_a_colour_is_full(pixels, decoded.grey);
   decoded.raster.orientation = raster->orientation;
   return decoded;
 }

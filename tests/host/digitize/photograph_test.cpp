@@ -110,6 +110,17 @@ TEST(Photograph, ColoursBecomeTheirLuminance) {
   DOUBLES_EQUAL(0.114 * 40 + 0.587 * 80 + 0.299 * 160, 255.0 * photograph->intensity.at<float>(5, 5), 0.51);
 }
 
+TEST(Photograph, CountsAsSaturatedWhereOneColourIsFull) {
+  // Green is full in one corner: the sum of light there is not known, though red and blue are.
+  cv::Mat pixels(40, 60, CV_8UC3, cv::Scalar(40, 90, 60));
+  pixels(cv::Rect(0, 0, 20, 20)).setTo(cv::Scalar(40, 255, 160));
+  const auto photograph = decode_photograph(encoded_picture(pixels, ".png"), "colours.png");
+  CHECK_TRUE(photograph.has_value());
+  CHECK_TRUE(photograph->intensity.at<float>(10, 10) >= photograph->saturation);
+  const float elsewhere = photograph->intensity.at<float>(30, 40);
+  CHECK_TRUE(elsewhere > 40.0F / 255.0F && elsewhere < 90.0F / 255.0F);
+}
+
 TEST(Photograph, AFileThatEndsTooEarlyIsNone) {
   for (const std::string extension : {".tif", ".png", ".jpg"}) {
     const Bytes whole = encoded_picture(ramp(CV_8U, 1), extension);
