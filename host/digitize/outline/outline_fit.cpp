@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/digitize/core/statistics.hpp"
+#include "host/digitize/outline/outline_sd.hpp"
 
 namespace strobe::digitize {
 
@@ -89,106 +90,8 @@ std::optional<OvalModel> fit_oval_model(std::span<const OvalSample> samples, cv:
 
 namespace {
 
-// The covariance of a fitted outline, from the residuals of its sectors (sandwich estimator), which texture,
-// shading and blur correlate along the outline.
-
-struct FittedSectors {
-  const SectorOffsets& offsets;
-  std::span<const OutlineVector> gradients;  ///< of the radius by the unknowns
-  std::span<const double> residuals;         ///< px
-};
-
-// What no residual shows, as images of one leg are off alike. A blurred edge includes more of the ball's
-// shaded side, which the profile models less well: an error of the order sigma²/radius (the profile is
-// sampled sigma deep, and shading goes as depth over radius), by 1 to 2 of which whole legs are off on
-// rendered photographs with blurs of 1 to 4 px.
-constexpr double kMisfit = 1.5;
-// By which law light falls towards the limb is known from one lit sphere to the next within 7 % of what it
-// adds over a blur's width, beside the step at the limb; and within a hundredth of a px, as cloth has no
-// sharp edge: rms of the mean error of a photograph's radii, over tennis, golf and basketballs, both
-// renderers and blurs of 0 to 4 px.
-constexpr double kLimbShare = 0.07;
-constexpr double kFloor_px = 0.01;
-
 using Vector = OutlineVector;
 using Square = OutlineMatrix;
-
-/// How much larger correlation along the outline makes the variance of what many sectors tell: (1 + r)/(1 -
-/// r) where neighbours' residuals are correlated by r and those farther apart by its powers. The fit absorbs
-/// what changes slowly, so that its own residuals are correlated less (Andrews and Monahan 1992).
-double variance_by_correlation(const FittedSectors& sectors) {
-  constexpr double kMaxCorrelation = 0.6;  // more is not told by as few sectors as an arc has
-  const std::vector<double>& weight = sectors.offsets.weight;
-  double squares = 0.0, products = 0.0, count = 0.0, pairs = 0.0;
-  for (std::size_t i = 0; i < weight.size(); ++i) {
-    const std::size_t next = (i + 1) % weight.size();
-    if (weight[i] <= 0.0) continue;
-    squares += weight[i] * sectors.residuals[i] * sectors.residuals[i];
-    count += 1.0;
-    if (weight[next] <= 0.0) continue;
-    products += std::sqrt(weight[i] * weight[next]) * sectors.residuals[i] * sectors.residuals[next];
-    pairs += 1.0;
-  }
-  if (!(squares > 0.0) || pairs < 1.0) return 1.0;
-  const double seen = products / pairs * count / squares;
-  const double absorbed = kOutlineParameters / static_cast<double>(weight.size() + kOutlineParameters);
-  const double correlation = std::clamp(seen + absorbed, 0.0, kMaxCorrelation);
-  return (1.0 + correlation) / (1.0 - correlation);
-}
-
-/// What the limb's curvature adds over a blur's width, over the step at the limb.
-double limb_ratio(const SectorOffsets& offsets) {
-  double step = 0.0, rounding = 0.0;
-  for (std::size_t i = 0; i < offsets.edges.size(); ++i) {
-    step += offsets.weight[i] * offsets.edges[i].step;
-    rounding += offsets.weight[i] * offsets.edges[i].rounding;
-  }
-  return rounding > 0.0 ? std::min(1.0, rounding / std::max(step, 1e-12)) : 0.0;
-}
-
-struct OutlineSd {
-  Square covariance;
-  double shared_radius_px = 0.0;  ///< sd of what all outlines of a photograph are off alike
-};
-
-/// `prior`: precision of what is known before.
-OutlineSd outline_covariance(const FittedSectors& sectors, const Square& prior, double sigma_px,
-                             double radius_px) {
-  const std::size_t count = sectors.gradients.size();
-  const SectorOffsets& offsets = sectors.offsets;
-  Square slope = prior;
-  for (std::size_t i = 0; i < count; ++i)
-    slope += offsets.sensitivity[i] * sectors.gradients[i] * sectors.gradients[i].t();
-  const Square inverse = slope.inv(cv::DECOMP_CHOLESKY);
-  Square squares = Square::zeros();
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vector& g = sectors.gradients[i];
-    // Corrects the residual for its own leverage.
-    const double leverage = std::min(0.7, offsets.weight[i] * g.dot(inverse * g));
-    const Vector score = offsets.weight[i] * sectors.residuals[i] / (1.0 - leverage) * g;
-    squares += score * score.t();
-  }
-  OutlineSd sd;
-  sd.covariance = inverse * (prior + squares * variance_by_correlation(sectors)) * inverse;
-  // Errors that adjacent sectors share beside a shadow are not quite shared across the ball; but the
-  // terminator lies further in on all sides.
-  for (int pattern = 0; pattern < 3; ++pattern) {
-    const double share = pattern == 0 ? 1.0 : 1.0 / std::numbers::sqrt2;
-    Vector pull{};
-    for (std::size_t i = 0; i < count; ++i) {
-      const double along = pattern == 0 ? 1.0 : sectors.gradients[i][pattern - 1];
-      pull += offsets.weight[i] * along * offsets.common_sd[i] * sectors.gradients[i];
-    }
-    const Vector moved = inverse * pull * share;
-    sd.covariance += moved * moved.t();
-  }
-  const double misfit = kMisfit * sigma_px * sigma_px / radius_px;
-  const double limb = kLimbShare * sigma_px * limb_ratio(offsets);
-  sd.shared_radius_px = std::hypot(kFloor_px, limb, misfit);
-  for (int a = 0; a < 2; ++a) sd.covariance(a, a) += misfit * misfit;
-  sd.covariance(2, 2) += sd.shared_radius_px * sd.shared_radius_px;
-  return sd;
-}
 
 constexpr double kMinSigma_px = 0.35;
 constexpr int kMinEdges = 6;
@@ -202,13 +105,14 @@ Vector gradient(cv::Point2d out) {
 class Fit {
  public:
   Fit(const SectorSamples& samples, std::span<const OutlineShape> neighbours,
-      const OutlineFitSettings& settings, const OutlineShape& start, double sigma)
+      const OutlineFitSettings& settings, const OutlineShape& start, double sigma, double rounding_sd)
       : samples_(&samples),
         neighbours_(neighbours),
         settings_(settings),
         start_radius_(start.radius),
         shape_(start),
-        sigma_(sigma) {
+        sigma_(sigma),
+        rounding_sd_(rounding_sd) {
     for (int i = 0; i < samples.count(); ++i) gradients_.push_back(gradient(samples.direction(i)));
     offsets_.edges.resize(gradients_.size());
     offsets_.weight.assign(gradients_.size(), 0.0);
@@ -248,7 +152,8 @@ class Fit {
     fitted.shape = shape_;
     fitted.sigma_px = sigma_;
     const std::vector<double> left = residuals(change_);
-    const OutlineSd sd = outline_covariance({offsets_, gradients_, left}, prior(), sigma_, shape_.radius);
+    const OutlineSd sd = outline_covariance(
+        {offsets_, gradients_, left, sigma_, shape_.radius, samples_->window_px()}, prior(), rounding_sd_);
     fitted.covariance = sd.covariance;
     fitted.shared_radius_sd_px = sd.shared_radius_px;
     summarize(fitted);
@@ -384,6 +289,7 @@ class Fit {
   double start_radius_;
   OutlineShape shape_;
   double sigma_;
+  double rounding_sd_;
   SectorOffsets offsets_;
   std::vector<Vector> gradients_;  ///< of the radius by the unknowns, by sector
   Vector change_{};
@@ -403,7 +309,8 @@ std::optional<FittedOutline> fit_outline(const Photograph& photograph, const Loc
                         std::min(most, 3.0 * sigma_px + settings.outside_px),
                         std::min(most, 3.0 * sigma_px + settings.inside_px)};
   const SectorSamples samples(photograph, frame, start, grid);
-  Fit fit(samples, neighbours, settings, start, sigma_px);
+  const double rounding_sd = 1.0 / (std::sqrt(12.0) * ((1 << photograph.bits) - 1));
+  Fit fit(samples, neighbours, settings, start, sigma_px, rounding_sd);
   for (int step = 0; step < settings.steps; ++step)
     if (!fit.step(step < settings.coarse_steps)) return std::nullopt;
   for (int further = 0; further < settings.further_steps && fit.is_moving(); ++further) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/digitize/core/types.hpp"
-#include "host/digitize/outline/sector_offsets.hpp"
+#include "host/digitize/outline/outline_sd.hpp"
 
 namespace strobe::digitize {
 
@@ -50,11 +50,6 @@ class OvalModel {
 /// in a corner, away from the middle. Returns nullopt for fewer than 5 samples.
 std::optional<OvalModel> fit_oval_model(std::span<const OvalSample> samples, cv::Point2d middle,
                                         double reach_px, double stretch_sd);
-
-/// Centre x, y, radius, ovality cos, sin [local px].
-inline constexpr int kOutlineParameters = 5;
-using OutlineVector = cv::Vec<double, kOutlineParameters>;
-using OutlineMatrix = cv::Matx<double, kOutlineParameters, kOutlineParameters>;
 
 struct OutlineFitSettings {
   int steps = 4;            ///< Gauss-Newton steps

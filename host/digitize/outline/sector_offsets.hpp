@@ -16,7 +16,7 @@ struct SectorOffsets {
   std::vector<double> robust;       ///< Tukey's weight, 0 to 1
   std::vector<double> sensitivity;  ///< 1/px², of the fit to a sector's offset (Tukey's psi')
   std::vector<double> common_sd;    ///< px, of the error that adjacent sectors share
-  bool half_lit = false;            ///< an eighth of the outline or more lies in shadow
+  bool half_lit = false;            ///< a fifth of the outline or more lies in shadow
   double extra_variance = 0.0;      ///< beyond the sectors' own
 };
 
