@@ -50,8 +50,8 @@ inline constexpr int kMaxProfiles = 240;   ///< along an edge
 inline constexpr double kSaturatedShare = 0.985;
 
 /// What no residual along a straight edge shows, as how the lens blurs it: on photographs of both renderers
-/// in good light lines are .03 px rms off.
-inline constexpr double kEdgeFloor_px = 0.03;
+/// in good light lines are .015 px rms off, what the balls are off alike apart.
+inline constexpr double kEdgeFloor_px = 0.015;
 
 struct EdgeSamples {
   int top = 0;  ///< row of the first
