@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 
@@ -229,6 +230,12 @@ Result<std::vector<Condition>> wanted(const std::vector<std::string>& axes) {
   return all;
 }
 
+/// Photographs of one scene and shot look different under each condition.
+std::filesystem::path kept_in(const Options& options, const Condition& condition) {
+  if (options.keep.empty()) return {};
+  return std::filesystem::path(options.keep) / fmt::format("{}_{}", condition.axis, condition.label);
+}
+
 }  // namespace
 
 Result<void> study_robustness(const Options& options) {
@@ -247,7 +254,7 @@ Result<void> study_robustness(const Options& options) {
         Take take{(*scenes)[i % of_point / shots],
                   options.seed,
                   static_cast<int>(i % shots) + 1,
-                  {},
+                  kept_in(options, (*all)[i / of_point]),
                   options.independent};
         take.shooting = shooting_of(options, take.scene);
         (*all)[i / of_point].apply(take);
