@@ -10,26 +10,25 @@
 
 #include "common/reduction/frame.hpp"
 #include "host/digitize/core/statistics.hpp"
-#include "host/light/ambient.hpp"
+#include "host/digitize/outliers/ambient.hpp"
 #include "host/light/limb_sectors.hpp"
 
 namespace strobe::light {
 namespace {
 
 using digitize::Digitization;
+using digitize::Flight;
+using digitize::ImageDisc;
 using digitize::Outline;
 using digitize::Photograph;
 using digitize::PlaneMap;
 using reduction::Leg;
 
-std::vector<Disc> discs_of(const PlaneMap& map, const Digitization& found) {
-  std::vector<Disc> discs;
+std::vector<ImageDisc> discs_of(const PlaneMap& map, const Digitization& found) {
+  std::vector<ImageDisc> discs;
   for (std::size_t i = 0; i < found.outlines.size(); ++i) {
-    const Outline& outline = found.outlines[i];
-    const cv::Point2d centre = map.to_image(outline.centre);
-    const bool contact = i < found.frame.images.size() && found.frame.images[i].leg == Leg::contact;
-    const double scale = map.image_px_per_plane_px(centre);
-    discs.push_back({centre, 0.5 * outline.diameter * scale, !contact, outline.blur_px * scale});
+    discs.push_back(image_disc(map, found.outlines[i]));
+    discs.back().airborne = i >= found.frame.images.size() || found.frame.images[i].leg != Leg::contact;
   }
   return discs;
 }
@@ -51,7 +50,7 @@ struct OwnPixels {
 
 class OwnPixelsOf {
  public:
-  OwnPixelsOf(const Photograph& photograph, const std::vector<Disc>& discs, std::size_t index)
+  OwnPixelsOf(const Photograph& photograph, const std::vector<ImageDisc>& discs, std::size_t index)
       : photograph_(photograph), disc_(discs[index]) {
     for (std::size_t j = 0; j < discs.size(); ++j)
       if (j != index &&
@@ -80,7 +79,7 @@ class OwnPixelsOf {
   void add(int column, int row, std::size_t& pixels, std::size_t& clipped) {
     if (column < 0 || row < 0 || column >= photograph_.width() || row >= photograph_.height()) return;
     const cv::Point2d at(column, row);
-    for (const Disc& other : near_)
+    for (const ImageDisc& other : near_)
       if (cv::norm(at - other.centre) < other.radius + kBeside_px) return;
     const float value = photograph_.intensity.at<float>(row, column);
     own_.values.push_back(value);
@@ -89,8 +88,8 @@ class OwnPixelsOf {
   }
 
   const Photograph& photograph_;
-  Disc disc_;
-  std::vector<Disc> near_;
+  ImageDisc disc_;
+  std::vector<ImageDisc> near_;
   OwnPixels own_;
 };
 
@@ -127,9 +126,10 @@ double weakest_of(const std::vector<double>& x, const std::vector<double>& light
 }
 
 /// The background's light is in the measures.
-void measure_balls(const Photograph& photograph, const std::vector<Disc>& discs, LightMeasures& measures) {
+void measure_balls(const Photograph& photograph, const std::vector<ImageDisc>& discs,
+                   LightMeasures& measures) {
   constexpr double kMinShare = 0.25;  // of a disc
-  const bool any_airborne = std::ranges::any_of(discs, &Disc::airborne);
+  const bool any_airborne = std::ranges::any_of(discs, &ImageDisc::airborne);
   const auto white = static_cast<double>(photograph.saturation);
   std::vector<double> felt, at;
   std::size_t left = 0, right = 0, clipped_left = 0, clipped_right = 0;
@@ -152,11 +152,11 @@ void measure_balls(const Photograph& photograph, const std::vector<Disc>& discs,
 
 /// The sd of a pixel's noise beside the balls: from second differences along rows, which a smooth background
 /// leaves alone; a file's steps add to it.
-double noise_beside(const Photograph& photograph, const std::vector<Disc>& discs) {
+double noise_beside(const Photograph& photograph, const std::vector<ImageDisc>& discs) {
   constexpr double kNear_px = 6.0, kFar_px = 30.0;
   const double kRoot6 = std::sqrt(6.0);  // of the sum of the squares of 1, -2, 1
   std::vector<double> differences;
-  for (const Disc& disc : discs) {
+  for (const ImageDisc& disc : discs) {
     const double reach = disc.radius + kFar_px;
     for (int row = static_cast<int>(disc.centre.y - reach); row <= static_cast<int>(disc.centre.y + reach);
          row += 6) {
@@ -164,7 +164,7 @@ double noise_beside(const Photograph& photograph, const std::vector<Disc>& discs
       const float* line = photograph.intensity.ptr<float>(row);
       for (int column = std::max(1, static_cast<int>(disc.centre.x - reach));
            column <= std::min(photograph.width() - 2, static_cast<int>(disc.centre.x + reach)); column += 4) {
-        const bool beside = std::ranges::all_of(discs, [&](const Disc& d) {
+        const bool beside = std::ranges::all_of(discs, [&](const ImageDisc& d) {
           return cv::norm(cv::Point2d(column, row) - d.centre) > d.radius + kNear_px;
         });
         if (!beside) continue;
@@ -298,7 +298,7 @@ LightMeasures measure_light(const Photograph& photograph, const PlaneMap& map, c
   measures.transfer = found.transfer;
   measure_whole(photograph, measures);
   if (found.outlines.empty()) return measures;
-  const std::vector<Disc> discs = discs_of(map, found);
+  const std::vector<ImageDisc> discs = discs_of(map, found);
   const std::vector<LimbSector> sectors = limb_sectors(photograph, map, found.outlines);
   measure_limbs(photograph, sectors, measures);
   measure_balls(photograph, discs, measures);

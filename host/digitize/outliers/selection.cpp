@@ -12,6 +12,7 @@
 
 #include "host/digitize/core/statistics.hpp"
 #include "host/digitize/outliers/ball_odds.hpp"
+#include "host/digitize/outliers/ghosts.hpp"
 #include "host/digitize/outliers/limb_agreement.hpp"
 #include "host/digitize/path/path.hpp"
 
@@ -157,75 +158,6 @@ std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint
 
 namespace {
 
-// Logarithms of the light of one disc over that of another. Flashes of one train differ by at most 30 % in
-// energy, and their lamps' light falls off with the way from ball to ball.
-constexpr double kFlashVariance = 0.04, kVariancePerDiameter = 0.05;
-// Ambient light between two flashes: from a twentieth to a quarter of a flash's.
-constexpr double kGhostMean = -2.0, kGhostSd = 0.6;
-// Of one ball in twenty another thing, as light as itself, hides more or less of the limb, so that any share
-// from a twentieth (e^-3) on is as likely: of 1506 images on altered renders 2 % show less than half of the
-// next one's.
-constexpr double kHidden = 0.05, kRangeOfHidden = 3.0;
-// What looks most like a ball may be a ghost that is bright: with more, drawn ghosts of a third of a flash's
-// light pass.
-constexpr double kMaxOdds = 2.0;
-
-/// log(p / (1 - p)) that a disc of that share of a ball's light is a ball's.
-double log_odds_of_share(double share, double apart_of_diameter) {
-  const double variance = kFlashVariance + kVariancePerDiameter * apart_of_diameter;
-  const double log_share = std::min(0.0, std::log(std::max(share, 1e-3)));
-  const double sqrt_2pi = std::sqrt(2.0 * std::numbers::pi);
-  const double as_ghost = std::max(0.0, log_share - kGhostMean) / kGhostSd;
-  const double ghost = std::exp(-0.5 * as_ghost * as_ghost) / (sqrt_2pi * kGhostSd);
-  const double ball = std::exp(-0.5 * log_share * log_share / variance) / (sqrt_2pi * std::sqrt(variance));
-  return std::log((kHidden / kRangeOfHidden + (1.0 - kHidden) * ball) / ghost);
-}
-
-/// Median over the directions, as lamps stand still and light both alike: what crosses a limb disturbs a few
-/// of them only.
-double typical_rise(const Limb& limb) {
-  std::vector<double> rises(limb.begin(), limb.end());
-  std::erase_if(rises, [](double rise) { return std::isnan(rise); });
-  return median(std::move(rises));
-}
-
-/// Of the rise across the ball's limb, the disc's. Returns 1 if they have no direction in common.
-double share_of(const Limb& disc, const Limb& ball) {
-  std::vector<double> shares;
-  for (std::size_t k = 0; k < disc.size(); ++k)
-    if (!std::isnan(disc[k]) && ball[k] > 0.0F) shares.push_back(disc[k] / ball[k]);
-  return shares.empty() ? 1.0 : median(std::move(shares));
-}
-
-}  // namespace
-
-std::vector<Ghost> find_ghosts(std::span<const LitDisc> discs) {
-  std::vector<double> rise;
-  for (const LitDisc& disc : discs) rise.push_back(typical_rise(disc.limb));
-  std::vector<std::size_t> brightest_first(discs.size());
-  std::iota(brightest_first.begin(), brightest_first.end(), std::size_t{0});
-  std::ranges::stable_sort(brightest_first, std::ranges::greater{}, [&](std::size_t i) { return rise[i]; });
-  std::vector<std::size_t> balls;
-  std::vector<Ghost> ghosts;
-  for (const std::size_t i : brightest_first) {
-    const LitDisc& disc = discs[i];
-    std::optional<std::size_t> nearest;
-    double least = std::numeric_limits<double>::infinity();
-    for (const std::size_t ball : balls) {
-      const double apart = cv::norm(discs[ball].centre - disc.centre);
-      if (apart < least) least = apart, nearest = ball;
-    }
-    const double share = nearest ? share_of(disc.limb, discs[*nearest].limb) : 1.0;
-    if (nearest && log_odds_of_share(share, least / disc.diameter) + std::min(disc.log_odds, kMaxOdds) < 0.0)
-      ghosts.push_back({static_cast<int>(i), share});
-    else if (disc.log_odds >= kCertainOdds)
-      balls.push_back(i);
-  }
-  return ghosts;
-}
-
-namespace {
-
 // With fewer certain balls the size is taken from all outlines.
 constexpr std::size_t kMinCertainBalls = 4;
 // A ball that is missed costs more than an image too many, which the reduction leaves out where it
@@ -304,7 +236,7 @@ class PathSelection {
   }
 
   /// Judged along the path only, where ambient light draws them.
-  void reject_ghosts() {
+  void reject_ghosts(const Photograph& photograph, const PlaneMap& map) {
     std::vector<int> members = path_.contact;
     for (const auto& leg : path_.legs) members.insert(members.end(), leg.begin(), leg.end());
     // Size and path say nothing: a ghost is of the ball's.
@@ -316,7 +248,10 @@ class PathSelection {
       const auto i = static_cast<std::size_t>(members[k]);
       discs.push_back({outlines_[i].centre, outlines_[i].diameter, limbs_[i].limb, by_limb[k] + prior});
     }
-    for (const Ghost& ghost : find_ghosts(discs)) {
+    // However bright the room may be.
+    if (find_ghosts(discs, 1.0).empty()) return;
+    const auto level = ambient(photograph, map, members, find_ghosts(discs, std::nullopt));
+    for (const Ghost& ghost : find_ghosts(discs, level)) {
       const int index = members[static_cast<std::size_t>(ghost.index)];
       drop(index, Reason::ghost,
            fmt::format("its limb rises by {:.0f} % of the next ball's: ambient light between two flashes",
@@ -356,6 +291,27 @@ class PathSelection {
   }
 
  private:
+  /// As the band that it draws between the images along a leg.
+  std::optional<double> ambient(const Photograph& photograph, const PlaneMap& map,
+                                const std::vector<int>& members, const std::vector<Ghost>& ghosts) const {
+    std::vector<bool> is_ghost(outlines_.size(), false);
+    for (const Ghost& ghost : ghosts)
+      is_ghost[static_cast<std::size_t>(members[static_cast<std::size_t>(ghost.index)])] = true;
+    std::vector<ImageDisc> discs;
+    std::vector<Flight> flights;
+    const auto add = [&](const std::vector<int>& images, bool in_flight) {
+      const std::size_t first = discs.size();
+      for (const int i : images) {
+        if (is_ghost[static_cast<std::size_t>(i)]) continue;
+        discs.push_back(image_disc(map, outlines_[static_cast<std::size_t>(i)]));
+        if (in_flight && discs.size() > first + 1) flights.push_back({discs.size() - 2, discs.size() - 1});
+      }
+    };
+    for (const auto& leg : path_.legs) add(leg, true);
+    add(path_.contact, false);
+    return ambient_share(photograph, discs, flights);
+  }
+
   void drop(int index, Reason reason, std::string detail) {
     const auto at = static_cast<std::size_t>(index);
     keep_[at] = false;
@@ -417,7 +373,7 @@ std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap
                           rejected);
   selection.reject_off_path();
   selection.take_back_odds_of_short_legs();
-  selection.reject_ghosts();
+  selection.reject_ghosts(photograph, map);
   selection.reject_too_close(facts.times_s());
   selection.reject_doubtful_contacts();
   return selection.selected();

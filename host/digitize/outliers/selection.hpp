@@ -53,25 +53,6 @@ std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint
                                      std::span<const double> probabilities,
                                      std::span<const double> flash_times_s);
 
-// Discs that ambient light draws along the ball's path between two flashes: dim, and crowded against the
-// images that the flashes made. Deterministic; thread-safe; allocates.
-
-struct LitDisc {
-  cv::Point2d centre;
-  double diameter = 0.0;
-  Limb limb{};
-  double log_odds = 0.0;  ///< log(p / (1 - p)) that this is a ball's outline
-};
-
-struct Ghost {
-  int index = 0;
-  double share = 0.0;  ///< of the rise across the limb of the ball that it was compared with
-};
-
-/// Of discs along one path, those more likely ghosts than balls by their light beside that of the nearest
-/// certain ball that is no ghost itself.
-std::vector<Ghost> find_ghosts(std::span<const LitDisc> discs);
-
 struct SelectedBySize {
   std::vector<Outline> outlines;
   SizeModel size;  ///< of the certain balls; of no outlines none

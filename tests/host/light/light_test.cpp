@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "host/light/advice.hpp"
-#include "host/light/ambient.hpp"
 #include "sim/loading/load_scene.hpp"
 #include "sim/photograph/render.hpp"
 #include "sim/shoot/shoot.hpp"
@@ -164,40 +163,6 @@ TEST(Light, RoomLightThatDrawsTheBallBetweenFlashesIsNamed) {
     CHECK(*lit.ambient > 0.8 * share && *lit.ambient < 1.2 * share * kSpeed_mps / 12.0);
     CHECK_EQUAL("ambient look at", said(lit));
   }
-}
-
-TEST(Light, AmbientLightIsOverBothSidesOfTheWay) {
-  // Discs of 1 above their background, 3 diameters apart, a band with the same profile between them.
-  constexpr float kBand = 0.2F;
-  constexpr int kRadius = 20;
-  std::vector<light::Disc> discs;
-  for (int i = 0; i < 4; ++i) discs.push_back({{60.0 + 120.0 * i, 100.0}, kRadius});
-  std::vector<light::Flight> flights{{0, 1}, {1, 2}, {2, 3}};
-  const auto share = [&](auto&& background) {
-    digitize::Photograph picture;
-    picture.intensity = cv::Mat(200, 480, CV_32F);
-    for (int row = 0; row < 200; ++row)
-      for (int column = 0; column < 480; ++column) {
-        const double s = (row - 100.0) / kRadius;
-        const double off = std::abs(column - 60.0 - 120.0 * std::round((column - 60.0) / 120.0));
-        float value = background(row, column);
-        if (std::hypot(off, row - 100.0) < kRadius) value += 1.0F;
-        if (std::abs(s) < 1.0) value += kBand * static_cast<float>(std::sqrt(1.0 - s * s));
-        picture.intensity.at<float>(row, column) = value;
-      }
-    return light::ambient_share(picture, discs, flights);
-  };
-  // The band lies under the images, too.
-  const double of_flash = kBand / (1.0 + kBand);
-  DOUBLES_EQUAL(of_flash, *share([](int, int) { return 0.1F; }), 0.1 * of_flash);
-  const auto brightens_along = [](int, int column) { return 0.001F * static_cast<float>(column); };
-  DOUBLES_EQUAL(of_flash, *share(brightens_along), 0.1 * of_flash);
-  // Along a wall's edge the band is not seen, along that of something bright nothing is told of it.
-  DOUBLES_EQUAL(0.0, *share([](int row, int) { return row < 100 ? 0.1F : 0.5F; }), 0.0);
-  CHECK_FALSE(share([](int row, int) { return row < 100 ? 0.1F : 0.9F; }).has_value());
-  // Two flights cannot outvote a third that holds a missed image.
-  flights.pop_back();
-  CHECK_FALSE(share([](int, int) { return 0.1F; }).has_value());
 }
 
 TEST(Light, AScreensCurveAndAJpegAreNamed) {

@@ -1,4 +1,4 @@
-#include "host/light/ambient.hpp"
+#include "host/digitize/outliers/ambient.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,10 +7,8 @@
 
 #include "host/digitize/core/statistics.hpp"
 
-namespace strobe::light {
+namespace strobe::digitize {
 namespace {
-
-using digitize::Photograph;
 
 struct Mean {
   double sum = 0.0, weight = 0.0;
@@ -61,9 +59,10 @@ struct Beside {
 
 class Bands {
  public:
-  Bands(const Photograph& photograph, std::span<const Disc> discs) : photograph_(photograph), discs_(discs) {}
+  Bands(const Photograph& photograph, std::span<const ImageDisc> discs)
+      : photograph_(photograph), discs_(discs) {}
 
-  void learn(const Disc& disc, cv::Point2d along) {
+  void learn(const ImageDisc& disc, cv::Point2d along) {
     const double step_px = step_px_of(disc);
     for (double t = -disc.radius; t <= disc.radius; t += step_px) {
       const Section section{disc.centre + t * along, {-along.y, along.x}, disc.radius, step_px / disc.radius};
@@ -78,7 +77,7 @@ class Bands {
   bool knows_flash() const { return flash_.bright(); }
 
   /// Of a flash's light, median along the way; absent where too little of it is seen.
-  std::optional<double> share_between(const Disc& from, const Disc& to) const {
+  std::optional<double> share_between(const ImageDisc& from, const ImageDisc& to) const {
     constexpr std::size_t kMinSections = 3;
     const cv::Point2d way = to.centre - from.centre;
     const double length = cv::norm(way), step_px = step_px_of(from);
@@ -90,11 +89,11 @@ class Bands {
         shares.push_back(*share);
     }
     if (shares.size() < kMinSections) return std::nullopt;
-    return digitize::median(std::move(shares));
+    return median(std::move(shares));
   }
 
  private:
-  static double step_px_of(const Disc& disc) { return std::max(1.0, disc.radius / 20.0); }
+  static double step_px_of(const ImageDisc& disc) { return std::max(1.0, disc.radius / 20.0); }
 
   /// The factor by which the flash's profile fits best.
   std::optional<double> share_of(const Section& section) const {
@@ -127,12 +126,12 @@ class Bands {
   }
 
   /// Where no image but `own` is.
-  std::optional<double> value(cv::Point2d at, const Disc* own) const {
+  std::optional<double> value(cv::Point2d at, const ImageDisc* own) const {
     constexpr double kLimb_px = 4.0, kLimb_sd = 3.0;  // what the lens spreads most, also out of focus
     const int column = cvRound(at.x), row = cvRound(at.y);
     if (column < 0 || row < 0 || column >= photograph_.width() || row >= photograph_.height())
       return std::nullopt;
-    for (const Disc& disc : discs_)
+    for (const ImageDisc& disc : discs_)
       if (&disc != own &&
           cv::norm(at - disc.centre) < disc.radius + std::max(kLimb_px, kLimb_sd * disc.blur_px))
         return std::nullopt;
@@ -140,13 +139,19 @@ class Bands {
   }
 
   const Photograph& photograph_;
-  std::span<const Disc> discs_;
+  std::span<const ImageDisc> discs_;
   FlashProfile flash_;
 };
 
 }  // namespace
 
-std::optional<double> ambient_share(const Photograph& photograph, std::span<const Disc> discs,
+ImageDisc image_disc(const PlaneMap& map, const Outline& outline) {
+  const cv::Point2d centre = map.to_image(outline.centre);
+  const double scale = map.image_px_per_plane_px(centre);
+  return {.centre = centre, .radius = 0.5 * outline.diameter * scale, .blur_px = outline.blur_px * scale};
+}
+
+std::optional<double> ambient_share(const Photograph& photograph, std::span<const ImageDisc> discs,
                                     std::span<const Flight> flights) {
   constexpr std::size_t kMinFlights = 3;
   Bands bands(photograph, discs);
@@ -166,4 +171,4 @@ std::optional<double> ambient_share(const Photograph& photograph, std::span<cons
   return std::max(0.0, shares[(shares.size() - 1) / 2]);
 }
 
-}  // namespace strobe::light
+}  // namespace strobe::digitize

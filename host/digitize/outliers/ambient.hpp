@@ -7,17 +7,21 @@
 #include <optional>
 #include <span>
 
+#include "host/digitize/core/plane_map.hpp"
+#include "host/digitize/core/types.hpp"
 #include "host/digitize/image/photograph.hpp"
 
-namespace strobe::light {
+namespace strobe::digitize {
 
 /// An image of the ball on the photograph, image px.
-struct Disc {
+struct ImageDisc {
   cv::Point2d centre;
   double radius = 0.0;
   bool airborne = true;
   double blur_px = 0.0;  ///< sd of its limb's
 };
+
+ImageDisc image_disc(const PlaneMap& map, const Outline& outline);
 
 /// Indices of two discs of one leg, the one flash after the other; not at one place.
 struct Flight {
@@ -28,7 +32,7 @@ struct Flight {
 /// sides, both as they pass a place in the middle of the way; 0 if it is darker. Absent: fewer than three
 /// flights show enough of it before a background that is alike on both sides. One of three may hold an image
 /// that was not found, or pass something bright.
-std::optional<double> ambient_share(const digitize::Photograph& photograph, std::span<const Disc> discs,
+std::optional<double> ambient_share(const Photograph& photograph, std::span<const ImageDisc> discs,
                                     std::span<const Flight> flights);
 
-}  // namespace strobe::light
+}  // namespace strobe::digitize
