@@ -45,10 +45,11 @@ struct TooClose {
   double distance_px = 0.0;
 };
 
-/// Of two neighbours less than half the leg's median step apart, the less probable one if it is
-/// rather no ball, as steps may be unequal on purpose. If the flashes' times are known, and no two of them
-/// are close enough to explain it, in any case; if they are not known, so on straight legs where a step is
-/// less than a tenth of the median one. Legs of fewer than 4 images are not checked.
+/// Of two neighbours less than half the leg's median step apart, the less probable one if it is rather no
+/// ball: where the flashes' times are known by its probability, as steps may be unequal on purpose, or if no
+/// two flashes are close enough to explain it in any case; where they are not, on straight legs, the less
+/// likely the shorter the step is, and less than a tenth of the median one in any case. Legs of fewer than 4
+/// images are not checked.
 std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint> points,
                                      std::span<const double> probabilities,
                                      std::span<const double> flash_times_s);

@@ -152,6 +152,12 @@ TEST(Crowding, IsCertainWhereTheFlashesAreEven) {
   LONGS_EQUAL(0, too_close(row(330.0, 0.93), uneven).size());
 }
 
+TEST(Crowding, NeedsABetterImageTheShorterTheStepIs) {
+  // A log-normal density over an even one: even odds at a step of .2 are those of .81.
+  LONGS_EQUAL(1, too_close(row(320.0, 0.7)).size());
+  LONGS_EQUAL(0, too_close(row(320.0, 0.9)).size());
+}
+
 TEST(Crowding, OfAShortLegIsNotTold) {
   Row r;
   for (const double x : {0.0, 100.0, 110.0}) r.add(x, x == 110.0 ? 0.4 : 0.95);
