@@ -134,6 +134,7 @@ BallImage read_image(const json& object, const std::string& place, std::optional
   fields.number("equator_sd_rad", image.equator_sd_rad);
   if (const json* top = fields.find("top_px")) fields.point("top_px", *top, image.top_px.emplace());
   fields.number("contact_width_px", image.contact_width_px);
+  fields.number("probability", image.probability);
   fields.text("source", image.source);
   return image;
 }
@@ -288,6 +289,7 @@ ordered_json image_json(const BallImage& image) {
   put(object, "equator_sd_rad", image.equator_sd_rad);
   put(object, "top_px", image.top_px);
   put(object, "contact_width_px", image.contact_width_px);
+  put(object, "probability", image.probability);
   if (!image.source.empty()) object["source"] = image.source;
   if (image.other_leg) object["other_leg"] = true;
   return object;

@@ -192,6 +192,7 @@ Result<BallImage> image_from(const ball_image_t& m, const std::string& place, co
   if (!error) error = line_from(m, place, image);
   if (!error) error = take(m.diameter_sd_px, place + "diameter_sd_px", image.diameter_sd_px);
   if (!error) error = take(m.contact_width_px, place + "contact_width_px", image.contact_width_px);
+  if (!error) error = take(m.probability, place + "probability", image.probability);
   if (error) return tl::unexpected(*error);
   return image;
 }
@@ -236,6 +237,7 @@ ball_image_t image_to(const BallImage& image, const std::string& source) {
   m.top_x_px = image.top_px ? image.top_px->x : kNotANumber;
   m.top_y_px = image.top_px ? image.top_px->y : kNotANumber;
   m.contact_width_px = image.contact_width_px.value_or(kNotANumber);
+  m.probability = image.probability.value_or(kNotANumber);
   return m;
 }
 

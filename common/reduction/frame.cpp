@@ -76,6 +76,8 @@ Complaint invalid_image(const BallImage& image) {
   if (bad(image.time_sd_s, 0.0, 1.0)) return "time_sd_s: must not be negative, nor above 1";
   if (bad_sd_px(image.diameter_sd_px)) return std::string("diameter_sd_px: ") + kLengthNeeded;
   if (bad_sd_rad(image.equator_sd_rad)) return std::string("equator_sd_rad: ") + kAngleSdNeeded;
+  if (bad(image.probability, 0.0, 1.0) || image.probability == 0.0)
+    return "probability: must be above 0, and not above 1";
   if (const Complaint c = invalid_tilt(image)) return c;
   if (image.centre_cov_px2) {
     if (const Complaint c = invalid_covariance(*image.centre_cov_px2)) return "centre_cov_px2: " + *c;

@@ -44,6 +44,9 @@ struct BallImage {
   std::optional<double> equator_sd_rad;                 ///< overrides Frame::equator_sd_rad
   std::optional<PointPx> top_px;                        ///< top of the ball, contact images
   std::optional<double> contact_width_px;
+  /// That it is one of the ball's images, above 0 to 1, as whoever measured it says before anything is
+  /// fitted; absent: not stated.
+  std::optional<double> probability;
   std::string source;  ///< "auto", "hand" or empty
   /// In flight before or after another bounce than the frame's: for the operator only, it may have no time.
   /// Messages and the JSON reader leave it out.

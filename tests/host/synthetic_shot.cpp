@@ -110,7 +110,7 @@ ball_image_t make_image(const Scenario& sc, const Pose& pose, std::mt19937& rand
   image.top_x_px = image.top_y_px = image.contact_width_px = std::numeric_limits<double>::quiet_NaN();
   image.centre_xx_px2 = image.centre_xy_px2 = image.centre_yy_px2 = std::numeric_limits<double>::quiet_NaN();
   image.diameter_sd_px = image.equator_sd_rad = std::numeric_limits<double>::quiet_NaN();
-  image.equator_tilt_rad = image.equator_tilt_sd_rad = image.equator_tilt_correlation =
+  image.equator_tilt_rad = image.equator_tilt_sd_rad = image.equator_tilt_correlation = image.probability =
       std::numeric_limits<double>::quiet_NaN();
   return image;
 }

@@ -161,7 +161,7 @@ TEST(FrameJson, ReadingAndWritingGivesTheSameBytesOfEveryField) {
       R"({"time_s":0.25,"leg":"incoming","centre_px":[1.0,2.0],"diameter_px":260.0,"equator_rad":0.30000000000000004,)"
       R"("equator_tilt_rad":-0.25,"equator_tilt_sd_rad":0.0078125,"equator_tilt_correlation":0.5,)"
       R"("time_sd_s":1e-06,"flash_index":2147483647,"centre_cov_px2":[[4.0,1.0],[2.0,9.0]],"diameter_sd_px":2.0,)"
-      R"("equator_sd_rad":0.02,"top_px":[3.0,9.0],"contact_width_px":30.0,"source":"hand"},)"
+      R"("equator_sd_rad":0.02,"top_px":[3.0,9.0],"contact_width_px":30.0,"probability":0.75,"source":"hand"},)"
       R"({"time_s":0.5,"leg":"contact","centre_px":[3.0,4.0]},)"
       R"({"time_s":0.75,"leg":"rebound","centre_px":[5.0,6.0],"diameter_px":250.0},)"
       R"({"time_s":1.0,"centre_px":[5.0,6.0],"diameter_px":0.0}]})";

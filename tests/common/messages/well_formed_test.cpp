@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 #include <strobe_msgs/ball_image_2_t.hpp>
+#include <strobe_msgs/ball_image_3_t.hpp>
 #include <strobe_msgs/ball_image_t.hpp>
 #include <strobe_msgs/coded_flash_t.hpp>
 #include <strobe_msgs/command_t.hpp>
@@ -13,6 +14,7 @@
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/flash_t.hpp>
 #include <strobe_msgs/frame_2_t.hpp>
+#include <strobe_msgs/frame_3_t.hpp>
 #include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/histogram_t.hpp>
 #include <strobe_msgs/note_t.hpp>
@@ -129,9 +131,10 @@ TEST(ChecksOfMessages, AnotherTypesFingerprintIsRefused) {
 }
 
 // Every number another one, so that no two can be taken for each other.
-TEST(ChecksOfMessages, AFrameOfBeforeItsImagesHadATiltIsRead) {
-  frame_2_t former{};
-  former.schema_version = frame_2_t::SCHEMA_VERSION;
+template <typename Former>
+Former former_frame() {
+  Former former{};
+  former.schema_version = Former::SCHEMA_VERSION;
   former.boot_id = 1, former.shot_id = 2, former.host_id = 3;
   former.source = "hand", former.photograph = "a.tif";
   former.centre_sd_px = 4, former.diameter_sd_px = 5, former.surface_sd_px = 6, former.equator_sd_rad = 7;
@@ -144,24 +147,64 @@ TEST(ChecksOfMessages, AFrameOfBeforeItsImagesHadATiltIsRead) {
   image.centre_xx_px2 = 13, image.centre_xy_px2 = 14, image.centre_yy_px2 = 15, image.diameter_px = 16;
   image.diameter_sd_px = 17, image.equator_rad = 18, image.equator_sd_rad = 19;
   image.top_x_px = 20, image.top_y_px = 21, image.contact_width_px = 22;
+  return former;
+}
+
+// `without`: numbers that a present image has at its end, and a former one does not.
+template <typename Former>
+void check_is_read(Former former, std::size_t without) {
   auto bytes = encoded(former);
   frame_t frame;
   CHECK_TRUE(decode_checked(frame, bytes.data(), bytes.size()));
   LONGS_EQUAL(frame_t::SCHEMA_VERSION, frame.schema_version);
-  CHECK_TRUE(std::isnan(frame.images[1].equator_tilt_rad) &&
-             std::isnan(frame.images[1].equator_tilt_sd_rad) &&
-             std::isnan(frame.images[1].equator_tilt_correlation));
-  // The former bytes again, where each new image has three numbers less at its end.
+  // The former bytes again.
   const auto now = encoded(frame);
-  constexpr std::size_t kImage = 98, kTilt = 24, kHead = 12;  // fingerprint and version
-  std::vector<std::uint8_t> without(now.begin(), now.end() - 2 * (kImage + kTilt));
-  for (auto at = now.end() - 2 * (kImage + kTilt); at != now.end(); at += kImage + kTilt)
-    without.insert(without.end(), at, at + kImage);
-  CHECK_TRUE(std::equal(without.begin() + kHead, without.end(), bytes.begin() + kHead, bytes.end()));
+  constexpr std::size_t kPresent = 130, kHead = 12;  // an image; fingerprint and version
+  const std::size_t former_image = kPresent - 8 * without;
+  std::vector<std::uint8_t> old(now.begin(), now.end() - 2 * kPresent);
+  for (auto at = now.end() - 2 * kPresent; at != now.end(); at += kPresent)
+    old.insert(old.end(), at, at + former_image);
+  CHECK_TRUE(std::equal(old.begin() + kHead, old.end(), bytes.begin() + kHead, bytes.end()));
   // Of another version it is nobody's.
   former.schema_version = 1;
   bytes = encoded(former);
   CHECK_FALSE(decode_checked(frame, bytes.data(), bytes.size()));
+}
+
+TEST(ChecksOfMessages, AFrameOfBeforeItsImagesHadATiltIsRead) {
+  const auto former = former_frame<frame_2_t>();
+  check_is_read(former, 4);
+  const auto bytes = encoded(former);
+  frame_t frame;
+  CHECK_TRUE(decode_checked(frame, bytes.data(), bytes.size()));
+  for (const auto& image : frame.images)
+    CHECK_TRUE(std::isnan(image.equator_tilt_rad) && std::isnan(image.equator_tilt_sd_rad) &&
+               std::isnan(image.equator_tilt_correlation) && std::isnan(image.probability));
+}
+
+TEST(ChecksOfMessages, AFrameOfBeforeItsImagesHadAProbabilityIsRead) {
+  auto former = former_frame<frame_3_t>();
+  auto& image = former.images[1];
+  image.equator_tilt_rad = 23, image.equator_tilt_sd_rad = 24, image.equator_tilt_correlation = 25;
+  check_is_read(former, 1);
+  const auto bytes = encoded(former);
+  frame_t frame;
+  CHECK_TRUE(decode_checked(frame, bytes.data(), bytes.size()));
+  for (const auto& one : frame.images) CHECK_TRUE(std::isnan(one.probability));
+}
+
+TEST(ChecksOfMessages, AnImagesProbabilityIsAboveZeroToOneOrNaN) {
+  ball_image_t image{};
+  image.centre_xx_px2 = image.centre_yy_px2 = image.diameter_px = image.diameter_sd_px = 1.0;
+  image.equator_sd_rad = image.contact_width_px = image.equator_tilt_sd_rad = 1.0;
+  for (const double p : {1e-9, 0.5, 1.0, std::nan("")}) {
+    image.probability = p;
+    CHECK_TRUE(in_range(image));
+  }
+  for (const double p : {0.0, -0.1, 1.0 + 1e-9, HUGE_VAL, -HUGE_VAL}) {
+    image.probability = p;
+    CHECK_FALSE(in_range(image));
+  }
 }
 
 TEST(ChecksOfMessages, NumbersAtTheirLimitsAreInRangeAndBeyondThemNot) {
@@ -234,15 +277,17 @@ struct Pin {
 
 const std::map<std::string, Pin>& pins() {
   static const std::map<std::string, Pin> table{
-      {"ball_image_t", {strobe_msgs::ball_image_t::getHash(), 0x658f8967f56e96db}},
+      {"ball_image_t", {strobe_msgs::ball_image_t::getHash(), 0xbd700e25627d4dab}},
       {"ball_image_2_t", {strobe_msgs::ball_image_2_t::getHash(), 0xc4e7715c496d5f93}},
+      {"ball_image_3_t", {strobe_msgs::ball_image_3_t::getHash(), 0x658f8967f56e96db}},
       {"coded_flash_t", {strobe_msgs::coded_flash_t::getHash(), 0xca8d3fdb380ff32a}},
       {"command_t", {strobe_msgs::command_t::getHash(), 0x93f0d571328d2e0d}},
       {"earlier_boot_t", {strobe_msgs::earlier_boot_t::getHash(), 0x27c50a9305638140}},
       {"event_t", {strobe_msgs::event_t::getHash(), 0x5d73a8136a3a7405}},
       {"flash_t", {strobe_msgs::flash_t::getHash(), 0x6bcbfe82d3bd0204}},
       {"frame_2_t", {strobe_msgs::frame_2_t::getHash(), 0xa3be7c3c948983f8}},
-      {"frame_t", {strobe_msgs::frame_t::getHash(), 0xe50eac53ec8bf289}},
+      {"frame_3_t", {strobe_msgs::frame_3_t::getHash(), 0xe50eac53ec8bf289}},
+      {"frame_t", {strobe_msgs::frame_t::getHash(), 0x94cfb5cec6a96028}},
       {"histogram_t", {strobe_msgs::histogram_t::getHash(), 0x2ce6f085294c452f}},
       {"note_t", {strobe_msgs::note_t::getHash(), 0x2eae802baa5ddbbd}},
       {"plan_t", {strobe_msgs::plan_t::getHash(), 0x0b742a0ba6b4a4e8}},

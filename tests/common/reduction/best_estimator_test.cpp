@@ -385,6 +385,12 @@ TEST(FrameChecks, NameTheFieldThatIsWrong) {
       {"surface_angle_deg: must be from -90 to 90", [](Frame& f) { f.surface_angle_deg = 100.0; }},
       {"images[2].equator_sd_rad: must be from 1e-9 to 1e6",
        [](Frame& f) { f.images[2].equator_sd_rad = 0.0; }},
+      {"images[1].probability: must be above 0, and not above 1",
+       [](Frame& f) { f.images[1].probability = 0.0; }},
+      {"images[3].probability: must be above 0, and not above 1",
+       [](Frame& f) { f.images[3].probability = 1.0 + 1e-12; }},
+      {"images[3].probability: must be above 0, and not above 1",
+       [](Frame& f) { f.images[3].probability = std::nan(""); }},
   };
   for (const Row& row : rows) {
     Frame frame = straight_frame();

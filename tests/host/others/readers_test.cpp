@@ -60,22 +60,25 @@ TEST(Python, ReadsALogsMessagesWithTheirSeals) {
   }
 }
 
-TEST(Python, ReadsAFrameOfBeforeItsImagesHadATilt) {
-  const auto lines =
-      jsons_of(python("import json, struct, strobe_log\n"
-                      "from strobe_msgs.frame_2_t import frame_2_t\n"
-                      "frame = frame_2_t()\n"
-                      "frame.schema_version, frame.shot_id = 2, 7\n"
-                      "channel, data = b'STROBE/bench/FRAME', frame.encode()\n"
-                      "path = " +
-                      quoted(std::filesystem::path(stored.folder.path()) / "former.lcmlog") +
-                      "\n"
-                      "with open(path, 'wb') as log:\n"
-                      "  log.write(struct.pack('>4sqqii', b'\\xed\\xa1\\xda\\x01', 0, 0, len(channel), len(data)))\n"
-                      "  log.write(channel + data)\n"
-                      "r = next(strobe_log.read(path))\n"
-                      "print(json.dumps([r.message.schema_version, r.message.shot_id]))\n"));
-  CHECK_EQUAL("[2,7]", lines.at(0).dump());
+TEST(Python, ReadsFramesOfFormerVersions) {
+  for (const char* version : {"2", "3"}) {
+    const std::string type = "frame_" + std::string(version) + "_t";
+    const auto lines =
+        jsons_of(python("import json, struct, strobe_log\n"
+                        "from strobe_msgs." + type + " import " + type + "\n"
+                        "frame = " + type + "()\n"
+                        "frame.schema_version, frame.shot_id = " + version + ", 7\n"
+                        "channel, data = b'STROBE/bench/FRAME', frame.encode()\n"
+                        "path = " +
+                        quoted(std::filesystem::path(stored.folder.path()) / "former.lcmlog") +
+                        "\n"
+                        "with open(path, 'wb') as log:\n"
+                        "  log.write(struct.pack('>4sqqii', b'\\xed\\xa1\\xda\\x01', 0, 0, len(channel), len(data)))\n"
+                        "  log.write(channel + data)\n"
+                        "r = next(strobe_log.read(path))\n"
+                        "print(json.dumps([r.message.schema_version, r.message.shot_id]))\n"));
+    CHECK_EQUAL(std::string("[") + version + ",7]", lines.at(0).dump());
+  }
 }
 
 TEST(Python, BelievesNoPacketThatWasAlteredOrIsOfAnotherKey) {
@@ -141,7 +144,7 @@ TEST(LcmSpy, FindsEveryTypeInTheJar) {
       "}\n");
   const auto run =
       testing::run_program({"java", "-cp", STROBE_LCM_JAR ":" STROBE_MESSAGES_JAR, folder / "Types.java"});
-  check_prints(run, {"Found 18 LCM types", "class strobe_msgs.shot_t"});
+  check_prints(run, {"Found 20 LCM types", "class strobe_msgs.shot_t"});
 #else
   std::puts("not built: the jar needs default-jdk-headless and liblcm-java");
 #endif
