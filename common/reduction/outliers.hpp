@@ -14,6 +14,8 @@ inline constexpr int kMinForOutlier = 4;
 /// one clean photograph in a thousand loses a measurement, however many images it has (Bonferroni). The test
 /// is leave-one-out: chi squared where the noise is stated, F or t where it was estimated. The worst goes
 /// first, and `fit_again` is called before the rest is judged. Needs kMinForOutlier measurements of a kind.
+/// Where images come with probabilities of being a ball's, the less probable of the centres take more of
+/// those false alarms and the others less, and one that is left out says the less against the noise.
 ///
 /// Where more than a quarter of a kind would have to go, or the rest still scatters as one in a hundred would
 /// with the stated noise, the noise may be wrong and not the images: all are taken back and judged by their
