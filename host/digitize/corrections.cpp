@@ -129,6 +129,7 @@ class Editor {
 
   void set_rest(BallImage& image, const ManualMeasurement& m) const {
     image.source = kHand;
+    image.probability = 1.0;  // a person looked at it
     if (m.equator_rad) {
       image.equator_rad = m.equator_in_image ? plane_angle(image.centre_px, *m.equator_rad) : *m.equator_rad;
       image.equator_sd_rad = m.equator_sd_rad.value_or(kManualEquator_sd_rad);
@@ -168,7 +169,7 @@ class Editor {
     if (m.diameter_px)
       set_diameter(image, outline, plane_diameter(image.centre_px, m), hand_diameter_sd_px(m.diameter_sd_px));
     if ((m.centre || m.diameter_px) && image.centre_cov_px2) replace_fit(outline, image);
-    outline.probability = 1.0;  // a person looked at it
+    outline.probability = 1.0;
     set_rest(image, m);
   }
 

@@ -190,6 +190,7 @@ class Digitizer {
       const double xy = 0.5 * (o.covariance(0, 1) + o.covariance(1, 0));
       image.centre_cov_px2 = std::array<double, 4>{o.covariance(0, 0), xy, xy, o.covariance(1, 1)};
       image.diameter_sd_px = o.diameter_sd();
+      image.probability = o.probability;
       image.source = "auto";
       frame.images.push_back(std::move(image));
     }

@@ -56,7 +56,6 @@ std::string digitization_json(const digitize::Digitization& digitization, const 
   ordered_json more;
   more["photograph"] = photograph;
   more["inputs"] = inputs_json(settings);
-  for (const auto& outline : digitization.outlines) more["probabilities"].push_back(outline.probability);
   if (digitization.scale) more["scale"] = scale_json(*digitization.scale);
   if (digitization.no_surface) more["no_surface"] = rejection_json(*digitization.no_surface);
   if (digitization.surface_by_hand) more["surface_source"] = "hand";

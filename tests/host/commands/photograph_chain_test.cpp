@@ -174,8 +174,11 @@ TEST(PhotographChain, SaysWhyAPlaceIsNoBallAndHowSureOthersAre) {
   photograph(folder, "a", "photo_blobs", 1);
   const Run found = run_program("strobe", digitize({shot("a"), "--effort", "fast", "--explain"}));
   const json frame = parse_json_lines(found.out).at(0);
-  CHECK_EQUAL(frame.at("images").size(), frame.at("probabilities").size());
-  for (const json& each : frame.at("probabilities")) CHECK_TRUE(each > 0.0 && each <= 1.0);
+  CHECK(!frame.at("images").empty());
+  for (const json& each : frame.at("images")) {
+    const double probability = each.at("probability");
+    CHECK_TRUE(probability > 0.0 && probability <= 1.0);
+  }
   CHECK(!frame.at("unmeasured").empty());
   for (const json& each : frame.at("unmeasured")) {
     CHECK(!each.at("reason").get<std::string>().empty());

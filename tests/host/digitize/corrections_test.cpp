@@ -60,6 +60,7 @@ Digitization digitized() {
     image.equator_rad = 0.1 * i;
     image.equator_sd_rad = 0.002;
     image.source = "auto";
+    image.probability = 0.75;
     made.frame.images.push_back(image);
     Outline outline;
     outline.centre = centre_of(i);
@@ -201,6 +202,8 @@ TEST(Corrections, ALineThatIsNoneIsTakenAway) {
   CHECK(!made.frame.images[0].equator_rad.has_value());
   DOUBLES_EQUAL(1.0, made.outlines[0].probability, 0.0);  // a person saw that it is a ball
   DOUBLES_EQUAL(0.75, made.outlines[1].probability, 0.0);
+  DOUBLES_EQUAL(1.0, made.frame.images[0].probability.value(), 0.0);
+  DOUBLES_EQUAL(0.75, made.frame.images[1].probability.value(), 0.0);
   CHECK(!made.frame.images[0].equator_sd_rad.has_value());
   CHECK_EQUAL("hand", made.frame.images[0].source);
 }
