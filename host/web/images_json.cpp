@@ -35,11 +35,18 @@ struct Judged {
   bool diameter_used = false, equator_used = false;
 };
 
-std::string why_left_out(const reduction::ImageFit& fit) {
+/// 99.9 % is not 100 %.
+std::string how_likely(const BallImage& image) {
+  if (!image.probability || image.source == "hand") return "";
+  return fmt::format("; the digitizer gives it {:.0f} % of being a ball's",
+                     std::floor(100.0 * *image.probability));
+}
+
+std::string why_left_out(const reduction::ImageFit& fit, const BallImage& image) {
   if (fit.leg == Leg::contact) return "in contact with the surface: it belongs to no flight";
   if (fit.residual_px)
-    return fmt::format("left out: it lies {:.2g} px from where the others say the ball was",
-                       *fit.residual_px);
+    return fmt::format("left out: it lies {:.2g} px from where the others say the ball was{}",
+                       *fit.residual_px, how_likely(image));
   return fit.leg ? "its leg has too few images" : "on neither leg of the path";
 }
 
@@ -66,7 +73,7 @@ void judge_matched(const host::AssembledShot& assembled, const reduction::Frame&
       image.residual_px = fit.residual_px;
       image.diameter_used = fit.diameter_used;
       image.equator_used = fit.equator_used;
-      if (!fit.centre_used) image.why_not = why_left_out(fit);
+      if (!fit.centre_used) image.why_not = why_left_out(fit, frame.images[i]);
     } else {
       image.why_not = fits.error().message;
     }

@@ -70,11 +70,14 @@ TEST(DetailJson, SaysWhyAnImageIsNotUsed) {
   host::Shot shot = stored({});
   auto& frame = shot.digitizations.back().frame;
   frame.images[1].centre_y_px += 25.0;
+  frame.images[1].source = strobe_msgs::ball_image_t::SOURCE_AUTO, frame.images[1].probability = 0.629;
   host::judge_again(shot);
   CHECK_TRUE(shot.readout.flags.has(reduction::Flag::outlier_image));
   const ordered_json detail = web::detail_json(shot, "today", kPhotograph);
   CHECK_FALSE(detail["images"][1]["used"].get<bool>());
-  STRCMP_CONTAINS("left out", detail["images"][1]["why_not"].get<std::string>().c_str());
+  const std::string why_not = detail["images"][1]["why_not"];
+  STRCMP_CONTAINS("left out", why_not.c_str());
+  STRCMP_CONTAINS("; the digitizer gives it 62 % of being a ball's", why_not.c_str());
   CHECK_TRUE(detail["images"][0]["used"].get<bool>());
   STRCMP_CONTAINS("move or remove it by hand", detail["advice"].get<std::string>().c_str());
   CHECK_TRUE(detail["flag_words"].size() >= 1);
