@@ -1,4 +1,4 @@
-// Discs by ambient light between two flashes, and the level of that light as the band between images shows it.
+// Discs by ambient light between two flashes, and that light's level as the band between images shows it.
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -26,7 +26,8 @@ LitDisc disc_at(double x, double light, double log_odds = 5.0) {
   return disc;
 }
 
-std::vector<int> ghosts_of(const std::vector<LitDisc>& discs, std::optional<double> ambient_share = std::nullopt) {
+std::vector<int> ghosts_of(const std::vector<LitDisc>& discs,
+                           std::optional<double> ambient_share = std::nullopt) {
   std::vector<int> indices;
   for (const Ghost& ghost : find_ghosts(discs, ambient_share)) indices.push_back(ghost.index);
   return indices;
