@@ -45,9 +45,9 @@ struct FittedOutlines {
 };
 
 /// All candidates are fitted together: edges of another outline are left to it. Contact images are fitted to
-/// what is round of them. Where no calibration tells where the lens is, outlines are as oval as those that are
-/// seen over half of their circle show others to be there. The covariances are calibrated: error/sd has rms
-/// one over many photographs, whatever texture, shading and noise.
+/// what is round of them. Where no calibration tells where the lens is, outlines are as oval as those that
+/// are seen over half of their circle show others to be there. The covariances are calibrated: error/sd has
+/// rms one over many photographs, whatever texture, shading and noise.
 FittedOutlines fit_outlines(const Photograph& photograph, const PlaneMap& map,
                             std::span<const Candidate> candidates, const OutlineSettings& settings);
 

@@ -255,21 +255,23 @@ class LegSearch {
     candidates.push_back({std::move(leg), log10_chance});
   }
 
-  /// With the shape that is the least likely by chance.
+  /// With the shape, and as many of the nearest members, as are the least likely by chance: an uncertain
+  /// image far off says nothing against the others.
   double by_chance(const std::vector<int>& members) const {
     double least = std::numeric_limits<double>::infinity();
     for (const Shape shape : {Shape::line, Shape::parabola, Shape::conic}) {
       const auto curve = FlightCurve::fit(points_, members, d_, shape);
       if (!curve) continue;
-      double off = kMinResidual_px;
-      for (const int i : members) off = std::max(off, std::abs(curve->off(at(i))));
-      const double share = 2.0 * off * share_per_px_;
-      // Three shapes are tried.
-      least =
-          std::min(least, std::log10(3.0) + log10_curves_by_chance(free_.size(), members.size(),
-                                                                   static_cast<std::size_t>(shape), share));
+      const auto parameters = static_cast<std::size_t>(shape);
+      std::vector<double> off;
+      for (const int i : members) off.push_back(std::max(kMinResidual_px, std::abs(curve->off(at(i)))));
+      std::ranges::sort(off);
+      for (std::size_t nearest = parameters + 1; nearest <= off.size(); ++nearest) {
+        const double share = 2.0 * off[nearest - 1] * share_per_px_;
+        least = std::min(least, log10_curves_by_chance(free_.size(), nearest, parameters, share));
+      }
     }
-    return least;
+    return least + std::log10(3.0);  // three shapes are tried
   }
 
   bool fits_in(const FlightLeg& leg) const {

@@ -145,6 +145,23 @@ TEST(FlightLegs, OfAThrowWithoutABounceAreOne) {
   LONGS_EQUAL(points.size(), path.legs[0].size());
 }
 
+TEST(FlightLegs, AreFoundThoughOneOfTheirImagesIsUncertain) {
+  Bouncing ball;
+  ball.bounces = 0;
+  ball.end_s = 0.5;
+  auto points = points_of(ball.images());
+  const std::size_t balls = points.size();
+  points[4].at.y += 11.0;
+  points[4].sd_px = 3.0;
+  std::mt19937_64 random(3);
+  add_junk(points, 30, random);
+  const Path path = find_path(points, view());
+  LONGS_EQUAL(1, path.legs.size());
+  // The uncertain one may be with them or not.
+  CHECK(path.legs[0].size() + 1 >= balls);
+  for (const int i : path.legs[0]) CHECK(static_cast<std::size_t>(i) < balls);
+}
+
 TEST(FlightLegs, OfABallThatComesLateAndLeavesEarlyAreCutShort) {
   Bouncing ball;
   auto images = ball.images();
