@@ -45,7 +45,8 @@ void fill_where_a_colour_is_full(const cv::Mat& colours, cv::Mat& grey) {
     cv::extractChannel(colours, colour, c);
     cv::max(strongest, colour, strongest);
   }
-  const double top = grey.depth() == CV_8U ? 255.0 : 65535.0;
+  double top = 0.0;  // below the range's end where a file has fewer bits
+  cv::minMaxLoc(strongest, nullptr, &top);
   grey.setTo(top, strongest >= saturation_level(strongest));
 }
 

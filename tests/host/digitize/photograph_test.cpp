@@ -121,6 +121,19 @@ TEST(Photograph, CountsAsSaturatedWhereOneColourIsFull) {
   CHECK_TRUE(elsewhere > 40.0F / 255.0F && elsewhere < 90.0F / 255.0F);
 }
 
+TEST(Photograph, OfFewerBitsIsNoBrighterWhereOneColourIsFull) {
+  // 12 bits in a file of 16.
+  cv::Mat pixels(40, 60, CV_16UC3, cv::Scalar(640, 1440, 960));
+  pixels(cv::Rect(0, 0, 20, 20)).setTo(cv::Scalar(640, 4095, 2560));
+  const auto photograph = decode_photograph(encoded_picture(pixels, ".png"), "colours.png");
+  CHECK_TRUE(photograph.has_value());
+  double brightest = 0.0;
+  cv::minMaxLoc(photograph->intensity, nullptr, &brightest);
+  DOUBLES_EQUAL(4095.0 / 65535.0, brightest, 1e-6);
+  CHECK_TRUE(photograph->intensity.at<float>(10, 10) >= photograph->saturation);
+  CHECK_TRUE(photograph->intensity.at<float>(30, 40) < photograph->saturation);
+}
+
 TEST(Photograph, AFileThatEndsTooEarlyIsNone) {
   for (const std::string extension : {".tif", ".png", ".jpg"}) {
     const Bytes whole = encoded_picture(ramp(CV_8U, 1), extension);
