@@ -1,11 +1,13 @@
 #include "common/messages/well_formed.hpp"
 
-#include <algorithm>
+#include <cassert>
+#include <cstdint>
 #include <strobe_msgs/frame_2_t.hpp>
 #include <strobe_msgs/frame_3_t.hpp>
 #include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/readout_t.hpp>
 #include <utility>
+#include <vector>
 
 #include "common/messages/encoded_walk.hpp"
 
@@ -21,11 +23,11 @@ template <typename Former, typename Present>
 void take_over(const Former& former, Present& present) {
   present = Present{};
   std::vector<std::uint8_t> bytes(
-      static_cast<std::size_t>(std::max(former._getEncodedSizeNoHash(), present._getEncodedSizeNoHash())),
-      0xff);
+      static_cast<std::size_t>(former._getEncodedSizeNoHash() + present._getEncodedSizeNoHash()), 0xff);
   const int size = static_cast<int>(bytes.size());
-  former._encodeNoHash(bytes.data(), 0, size);
-  present._decodeNoHash(bytes.data(), 0, size);
+  [[maybe_unused]] const int written = former._encodeNoHash(bytes.data(), 0, size);
+  [[maybe_unused]] const int read = present._decodeNoHash(bytes.data(), 0, size);
+  assert(written > 0 && read > 0);
 }
 
 template <typename Former>
