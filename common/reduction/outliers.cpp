@@ -56,7 +56,7 @@ class Suspects {
   Suspects(const ShotFit& fit, const Kinds& by_scatter)
       : fit_(fit), yardsticks_(yardsticks_of(fit, by_scatter)) {}
 
-  /// One of `chances` measurements over its weight, its squared deviation over its variance.
+  /// A measurement's squared deviation over its variance; `chances`: how many there are, over its weight.
   void consider(double square, NoiseGroup noise, int dimensions, double chances, std::size_t image,
                 MeasurementKind kind);
 
@@ -300,8 +300,9 @@ class Rejection {
     Observation& o = fit_.observations.images[suspect.image];
     left_out_.push_back(
         {suspect.image, suspect.kind, o.use_centre, o.use_diameter, o.use_equator, suspect.square});
-    // An image that the digitizer doubts, too, says the less against the noise.
-    count_[static_cast<std::size_t>(suspect.kind)] += o.probability.value_or(1.0) / largest_probability_;
+    // An image that the digitizer doubts, too, says the less against the centres' noise.
+    count_[static_cast<std::size_t>(suspect.kind)] +=
+        suspect.kind == MeasurementKind::centre ? o.probability.value_or(1.0) / largest_probability_ : 1.0;
     if (suspect.kind == MeasurementKind::centre) o.use_centre = o.use_diameter = o.use_equator = false;
     if (suspect.kind == MeasurementKind::diameter) o.use_diameter = false;
     if (suspect.kind == MeasurementKind::equator) o.use_equator = false;
