@@ -62,6 +62,17 @@ class Bands {
   Bands(const Photograph& photograph, std::span<const ImageDisc> discs)
       : photograph_(photograph), discs_(discs) {}
 
+  /// Before what follows of a flight between these: of many images only those that lie on its samples count.
+  void look_between(const ImageDisc& from, const ImageDisc& to) {
+    const cv::Point2d middle = 0.5 * (from.centre + to.centre);
+    // A section reaches kSideTo radii aside, up to one beyond an image's middle.
+    const double reach =
+        0.5 * cv::norm(to.centre - from.centre) + std::hypot(1.0, kSideTo) * std::max(from.radius, to.radius);
+    near_.clear();
+    for (const ImageDisc& disc : discs_)
+      if (cv::norm(disc.centre - middle) < reach + disc.radius + limb_px(disc)) near_.push_back(&disc);
+  }
+
   void learn(const ImageDisc& disc, cv::Point2d along) {
     const double step_px = step_px_of(disc);
     for (double t = -disc.radius; t <= disc.radius; t += step_px) {
@@ -95,6 +106,12 @@ class Bands {
  private:
   static double step_px_of(const ImageDisc& disc) { return std::max(1.0, disc.radius / 20.0); }
 
+  /// What the lens spreads most of a limb, also out of focus.
+  static double limb_px(const ImageDisc& disc) {
+    constexpr double kLimb_px = 4.0, kLimb_sd = 3.0;
+    return std::max(kLimb_px, kLimb_sd * disc.blur_px);
+  }
+
   /// The factor by which the flash's profile fits best.
   std::optional<double> share_of(const Section& section) const {
     constexpr double kMinSeen = 0.1;   // of the squares of the whole profile
@@ -127,19 +144,17 @@ class Bands {
 
   /// Where no image but `own` is.
   std::optional<double> value(cv::Point2d at, const ImageDisc* own) const {
-    constexpr double kLimb_px = 4.0, kLimb_sd = 3.0;  // what the lens spreads most, also out of focus
     const int column = cvRound(at.x), row = cvRound(at.y);
     if (column < 0 || row < 0 || column >= photograph_.width() || row >= photograph_.height())
       return std::nullopt;
-    for (const ImageDisc& disc : discs_)
-      if (&disc != own &&
-          cv::norm(at - disc.centre) < disc.radius + std::max(kLimb_px, kLimb_sd * disc.blur_px))
-        return std::nullopt;
+    for (const ImageDisc* disc : near_)
+      if (disc != own && cv::norm(at - disc->centre) < disc->radius + limb_px(*disc)) return std::nullopt;
     return static_cast<double>(photograph_.intensity.at<float>(row, column));
   }
 
   const Photograph& photograph_;
   std::span<const ImageDisc> discs_;
+  std::vector<const ImageDisc*> near_;
   FlashProfile flash_;
 };
 
@@ -157,14 +172,17 @@ std::optional<double> ambient_share(const Photograph& photograph, std::span<cons
   Bands bands(photograph, discs);
   for (const Flight& flight : flights) {
     const cv::Point2d way = discs[flight.to].centre - discs[flight.from].centre;
+    bands.look_between(discs[flight.from], discs[flight.to]);
     bands.learn(discs[flight.from], way / cv::norm(way));
     bands.learn(discs[flight.to], way / cv::norm(way));
   }
   if (!bands.knows_flash()) return std::nullopt;
   std::vector<double> shares;
-  for (const Flight& flight : flights)
+  for (const Flight& flight : flights) {
+    bands.look_between(discs[flight.from], discs[flight.to]);
     if (const auto share = bands.share_between(discs[flight.from], discs[flight.to]))
       shares.push_back(*share);
+  }
   if (shares.size() < kMinFlights) return std::nullopt;
   // Of an even number the lower of the middle ones.
   std::ranges::sort(shares);

@@ -17,7 +17,7 @@ namespace strobe::digitize {
 struct ImageDisc {
   cv::Point2d centre;
   double radius = 0.0;
-  bool airborne = true;
+  bool airborne = true;  ///< unless the caller says otherwise
   double blur_px = 0.0;  ///< sd of its limb's
 };
 
