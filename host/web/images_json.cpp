@@ -39,7 +39,7 @@ struct Judged {
 std::string how_likely(const BallImage& image) {
   if (!image.probability || image.source == "hand") return "";
   return fmt::format("; the digitizer gives it {:.0f} % of being a ball's",
-                     std::floor(100.0 * *image.probability));
+                     std::floor(100.0 * *image.probability + 1e-9));
 }
 
 std::string why_left_out(const reduction::ImageFit& fit, const BallImage& image) {
