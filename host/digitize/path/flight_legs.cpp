@@ -23,12 +23,13 @@ double log_choose(std::size_t n, std::size_t k) {
 
 /// ln of the probability of `least` or more successes of `trials`.
 double log_tail(std::size_t trials, std::size_t least, double probability) {
-  double sum = 0.0, first = -std::numeric_limits<double>::infinity();
-  for (std::size_t k = least; k <= trials; ++k) {
-    const double term = log_choose(trials, k) + static_cast<double>(k) * std::log(probability) +
-                        static_cast<double>(trials - k) * std::log1p(-probability);
-    if (k == least) first = term;
-    sum += std::exp(term - first);
+  const double odds = probability / (1.0 - probability);
+  const double first = log_choose(trials, least) + static_cast<double>(least) * std::log(probability) +
+                       static_cast<double>(trials - least) * std::log1p(-probability);
+  double sum = 1.0, term = 1.0;  // over the first
+  for (std::size_t k = least; k < trials; ++k) {
+    term *= odds * static_cast<double>(trials - k) / static_cast<double>(k + 1);
+    sum += term;
   }
   return std::min(0.0, first + std::log(sum));
 }
@@ -213,12 +214,15 @@ class LegSearch {
     return longest;
   }
 
+  /// A curve known no better than a radius predicts no image.
+  bool is_vague(const FlightCurve& curve, int i) const { return kFarthest_sd * curve.sd(at(i)) > 0.5 * d_; }
+
   /// The nearest image that the curve leads to.
   std::optional<int> nearest_on(const FlightCurve& curve, const std::vector<int>& members) const {
     double least = kNeighbours * longest_step(members);
     std::optional<int> nearest;
     for (const int i : free_) {
-      if (has(members, i) || kFarthest_sd * curve.sd(at(i)) > 0.5 * d_) continue;
+      if (has(members, i) || is_vague(curve, i)) continue;
       if (std::abs(curve.off(at(i))) > allowed_off(i, curve)) continue;
       double apart = std::numeric_limits<double>::infinity(), aside = apart;
       for (const int m : members) {

@@ -136,7 +136,7 @@ class Orderer {
     }
     const double difference = in_right - in_left;
     if (in_right <= 0.0 || in_left <= 0.0 ||
-        std::abs(difference) < kSameSpeed * std::max(in_right, in_left)) {
+        std::abs(difference) < 2.0 * kSameSpeed * std::max(in_right, in_left)) {
       result_.remarks.push_back("the two legs do not tell the direction of travel: taken to be to the right");
       return take(right, tr);
     }

@@ -30,7 +30,8 @@ struct LegLine {
 
 /// The band in which legs gather their images, and in which images lie on one line, in diameters.
 inline constexpr double kBandOfDiameter = 0.12;
-/// In diameters. Two centres closer than this give no direction, and images that are have one outline.
+/// In diameters. Two centres closer than this are at one place: they give no direction, two images there
+/// share one outline, and flights whose tops differ by less are as high.
 inline constexpr double kSamePlaceOfDiameter = 0.1;
 /// Lines within 6 degrees of each other are not told apart by their directions.
 inline constexpr double kSameDirection = 0.1;

@@ -16,6 +16,7 @@
 #include "host/digitize/path/straight_drop.hpp"
 
 namespace strobe::digitize {
+
 double variance_across(const PathPoint& point, double diameter_px) {
   const double lens = kLensOfDiameter * diameter_px;
   return point.sd_px * point.sd_px + lens * lens;

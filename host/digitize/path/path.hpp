@@ -14,7 +14,6 @@
 
 namespace strobe::digitize {
 
-/// An outline's centre, in axes with y up: along and up from the surface if it is known, else the plane's.
 /// A wide lens without a calibration moves centres by about that share of the diameter against a smooth path.
 inline constexpr double kLensOfDiameter = 0.005;
 /// A ball pressed by less than this share of its radius is still where free flight has it: of 5 ms in contact
@@ -23,6 +22,7 @@ inline constexpr double kFliesOfRadius = 0.05;
 /// Speeds that differ by less than this share are one.
 inline constexpr double kSameSpeed = 0.02;
 
+/// An outline's centre, in axes with y up: along and up from the surface if it is known, else the plane's.
 struct PathPoint {
   cv::Point2d at;
   double sd_px = 0.0;   ///< of each coordinate
