@@ -24,7 +24,8 @@ constexpr double kGhostMean = -2.0, kGhostSd = 0.6;
 // was, as it passes what is bright.
 constexpr double kAboutLevel = 0.3, kWrongLevel = 0.1;
 // What looks most like a ball may be a ghost that is bright: with more, drawn ghosts of a third of a flash's
-// light pass. What looks little like one is as dim as either: its share has it already.
+// light pass. What looks little like one is dim, whether ball or ghost: its share has
+// that already.
 constexpr double kMaxOdds = 2.0;
 
 /// Of a normal distribution, as dense below its mean as at it.

@@ -4,9 +4,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
-#include <numbers>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -81,9 +78,9 @@ constexpr double kCloseOfStep = 0.5;
 constexpr double kMinIntervalOfUnknown = 0.2;
 
 /// What it adds that a step is so short, where the flashes' times are not known. Trains tell their flashes
-/// apart by unequal intervals: their logarithms differ from the median's by .65, so that one in 150 is less
-/// than a fifth of it. What is no ball lies anywhere between two: the log odds are of a log-normal density
-/// over an even one, alike where nothing is said.
+/// apart by unequal intervals: their logarithms have an sd of .65 about the median's, so that one in 150 is
+/// less than a fifth of it. What is no ball lies anywhere between two: the log odds are of a log-normal
+/// density over an even one, alike where nothing is said.
 double log_odds_of_step(double of_median) {
   constexpr double kSd = 0.65;
   const double log_step = std::log(std::max(of_median, 1e-3));
@@ -115,9 +112,9 @@ class PathLeg {
       if (apart >= kCloseOfStep * typical || (nearest && apart >= nearest->distance_px)) continue;
       const auto pair = worse_first(members_[k - 1], members_[k]);
       const bool impossible = apart < kCloseOfStep * shortest_interval * typical;
-      const double step = times_known || curved_ ? 0.0 : log_odds_of_step(apart / typical);
+      const double odds = times_known || curved_ ? 0.0 : log_odds_of_step(apart / typical);
       const double p = probability_of(pair.first);
-      if (!impossible && std::log(p / (1.0 - p)) + step >= 0.0) continue;
+      if (!impossible && std::log(p / (1.0 - p)) + odds >= 0.0) continue;
       nearest = TooClose{pair.first, pair.second, apart};
     }
     if (nearest) std::erase(members_, nearest->index);

@@ -48,8 +48,8 @@ struct TooClose {
 /// Of two neighbours less than half the leg's median step apart, the less probable one if it is rather no
 /// ball: where the flashes' times are known by its probability, as steps may be unequal on purpose, or if no
 /// two flashes are close enough to explain it in any case; where they are not, on straight legs, the less
-/// likely the shorter the step is, and less than a tenth of the median one in any case. Legs of fewer than 4
-/// images are not checked.
+/// likely the shorter the step is, and less than a tenth of the median one in any case; along curved ones by
+/// its probability alone. Legs of fewer than 4 images are not checked.
 std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint> points,
                                      std::span<const double> probabilities,
                                      std::span<const double> flash_times_s);

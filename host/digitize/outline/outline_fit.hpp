@@ -31,7 +31,8 @@ inline constexpr double kSquare_sd = 1e-3;
 class OvalModel {
  public:
   cv::Vec2d at(cv::Point2d plane_px) const;
-  /// Of an outline there; with what one outline differs by from all others.
+  /// Of an outline there; with what one outline differs by from all others. One that is a sample itself is
+  /// counted twice by whom this is a prior for: little, where several are about as far out.
   cv::Matx22d covariance(cv::Point2d plane_px) const;
   double scatter() const { return scatter_; }  ///< sd of each component of one outline about the others
 

@@ -13,15 +13,15 @@ namespace {
 // are off on rendered photographs with blurs of 1 to 4 px.
 constexpr double kMisfit = 1.5;
 // By which law light falls towards the limb is known from one lit sphere to the next within 5 % of what it
-// adds over a blur's width, beside the step at the limb; the next term of its expansion, by the 3/2th power
-// of the depth that is sampled over the radius, to .45 of it; and all within a hundredth of a px, as cloth
-// has no sharp edge: rms of the mean error of a photograph's radii, both renderers, blurs of 0 to 5 px, balls
-// of 40 to 500 px.
+// adds over a blur's width, beside the step at the limb; the next term of its expansion, which grows as the
+// depth that is sampled over the radius to the power of 1.5, within .45 of that; and all within a hundredth
+// of a px, as cloth has no sharp edge: rms of the mean error of a photograph's radii, both renderers, blurs
+// of 0 to 5 px, balls of 40 to 500 px.
 constexpr double kLimbShare = 0.05;
 constexpr double kShading = 0.45;
 constexpr double kFloor_px = 0.01;
-// Of the error that sectors beside a terminator share, what all of them are off inwards, and what is as the
-// cosine or sine of their direction: as balls of which one lamp lights half have it, on 8 rendered
+// Of the error that sectors beside a terminator share, what all of them are off inwards, and what varies as
+// the cosine or sine of their direction: as balls of which one lamp lights half have it, on 8 rendered
 // photographs.
 constexpr double kTerminator = 1.5, kAcross = 0.5;
 

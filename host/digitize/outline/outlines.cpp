@@ -323,6 +323,16 @@ class OutlineFitter {
     }
   }
 
+  /// More than a ball is, seen through that lens, or through any where that is not known yet.
+  bool is_oval(const Work& work) const {
+    constexpr double kMaxOval = 0.03;
+    const OutlineShape& shape = work.fitted->shape;
+    const cv::Vec2d oval = cv::Vec2d(shape.oval_cos, shape.oval_sin) * (1.0 / shape.radius);
+    const cv::Point2d at = work.disc->centre;
+    if (oval_model_) return cv::norm(oval - oval_model_->at(at)) > kMaxOval;
+    return cv::norm(oval) > kMaxOval + 2.0 * stretch_sd(at);
+  }
+
   void check(std::size_t i) {
     Work& work = works_[i];
     if (!work.disc) return;
@@ -341,8 +351,7 @@ class OutlineFitter {
              fmt::format("diameter {:.1f} px is not between {:.1f} and {:.1f}", diameter,
                          settings_.diameter_min_px, settings_.diameter_max_px));
     } else if (fitted.rms_px > std::max({1.0, 0.01 * fitted.shape.radius, kMaxRmsOfBlur * fitted.sigma_px}) ||
-               std::hypot(fitted.shape.oval_cos, fitted.shape.oval_sin) >
-                   (0.03 + 2.0 * stretch_sd(work.disc->centre)) * fitted.shape.radius) {
+               is_oval(work)) {
       reject(work, Reason::not_round,
              fmt::format("edges are {:.2f} px rms from an ellipse that a ball can have", fitted.rms_px));
     } else if (sd > kMaxSdOfDiameter * diameter) {

@@ -94,8 +94,10 @@ void reweight(SectorOffsets& offsets, std::span<const double> residuals) {
 }
 
 void downweight_shadow(SectorOffsets& offsets, double sigma_px) {
+  // With an eighth, sds were four times too large where a dark side only fades.
+  constexpr int kHalfLit = 5;
   const int count = static_cast<int>(offsets.edges.size());
-  offsets.half_lit = 5 * std::ranges::count(offsets.edges, true, &SectorEdge::no_edge) >= count;
+  offsets.half_lit = kHalfLit * std::ranges::count(offsets.edges, true, &SectorEdge::no_edge) >= count;
   const std::vector<bool> shadow = shadow_of(offsets.edges);
   offsets.common_sd.assign(offsets.edges.size(), 0.0);
   for (int i = 0; i < count; ++i) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <string>
 
 #include "host/digitize/outline/outlines.hpp"
 #include "tests/host/digitize/painter.hpp"
@@ -161,7 +162,8 @@ TEST(Outlines, OfWhichLessThanHalfIsSeenInAWideLensCornerAreAsOvalAsTheOthers) {
   const std::vector<cv::Point2d> centres{{120, 580}, {230, 500}, {340, 420}, {460, 350},
                                          {570, 270}, {680, 190}, {770, 125}, {845, 60}};
   std::vector<Candidate> candidates;
-  for (const cv::Point2d& centre : centres) candidates.push_back({centre + cv::Point2d(0.8, -0.6), kOvalRadius_px, 0.8});
+  for (const cv::Point2d& centre : centres)
+    candidates.push_back({centre + cv::Point2d(0.8, -0.6), kOvalRadius_px, 0.8});
   OutlineSettings settings;
   settings.diameter_min_px = 72.0;
   settings.diameter_max_px = 88.0;
