@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <span>
 
@@ -80,7 +81,7 @@ class Digitizer {
       refit_by_size(photograph_, map_, outline_settings(), size, outlines, result_.unmeasured);
     watch.lap("outlines");
     // What is seen again may lie below it, as a ball's mirror image in a plate does.
-    find_surface(std::span(outlines).first(at_first));
+    find_surface(std::span(outlines).first(at_first), size);
     watch.lap("surface");
     find_path(outlines);
     tell_surface();
@@ -143,10 +144,16 @@ class Digitizer {
     return outlines;
   }
 
-  void find_surface(std::span<const Outline> outlines) {
+  /// Not by what is of another size than balls are, as arcs of a mirror image: one below it hides the line.
+  void find_surface(std::span<const Outline> outlines, const SizeModel& size) {
     surface_ = settings_.surface;
     if (surface_) return;
-    const auto found = find_surface_line(photograph_, map_, outlines);
+    std::vector<Outline> balls;
+    std::ranges::copy_if(outlines, std::back_inserter(balls), [&](const Outline& o) {
+      const double expected = size.at(o.centre.x);
+      return std::abs(o.diameter - expected) <= 3.0 * std::hypot(kSdOfDiameter * expected, size.spread);
+    });
+    const auto found = find_surface_line(photograph_, map_, balls);
     if (!found) {
       result_.no_surface = found.error();
       return;
