@@ -110,6 +110,8 @@ class Fit {
         neighbours_(neighbours),
         settings_(settings),
         start_radius_(start.radius),
+        oval_precision_(settings.oval_covariance.inv(cv::DECOMP_CHOLESKY) *
+                        (1.0 / (start.radius * start.radius))),
         shape_(start),
         sigma_(sigma),
         rounding_sd_(rounding_sd) {
@@ -214,9 +216,6 @@ class Fit {
     }
   }
 
-  cv::Matx22d oval_precision() const {
-    return settings_.oval_covariance.inv(cv::DECOMP_CHOLESKY) * (1.0 / (start_radius_ * start_radius_));
-  }
   double radius_precision() const {
     return settings_.radius_px && settings_.radius_sd_px
                ? 1.0 / std::pow(std::max(*settings_.radius_sd_px, 1e-3), 2)
@@ -226,16 +225,15 @@ class Fit {
     Square p = Square::zeros();
     p(0, 0) = p(1, 1) = 1e-6;
     p(2, 2) = 1e-6 + radius_precision();
-    const cv::Matx22d oval = oval_precision();
     for (int a = 0; a < 2; ++a)
-      for (int b = 0; b < 2; ++b) p(3 + a, 3 + b) = oval(a, b);
+      for (int b = 0; b < 2; ++b) p(3 + a, 3 + b) = oval_precision_(a, b);
     return p;
   }
   /// The prior's part of the normal equations' right-hand side.
   Vector prior_right() const {
     const double known = settings_.radius_px ? *settings_.radius_px - shape_.radius : 0.0;
     const cv::Vec2d oval =
-        oval_precision() * (settings_.oval * start_radius_ - cv::Vec2d(shape_.oval_cos, shape_.oval_sin));
+        oval_precision_ * (settings_.oval * start_radius_ - cv::Vec2d(shape_.oval_cos, shape_.oval_sin));
     return {0.0, 0.0, radius_precision() * known, oval[0], oval[1]};
   }
 
@@ -287,6 +285,7 @@ class Fit {
   std::span<const OutlineShape> neighbours_;
   OutlineFitSettings settings_;
   double start_radius_;
+  cv::Matx22d oval_precision_;  ///< prior's
   OutlineShape shape_;
   double sigma_;
   double rounding_sd_;
