@@ -45,6 +45,7 @@ constexpr const char* kExperiment = "host/EXPERIMENT.md";
 const std::vector<std::string> kHost{
     "host/README.md",        "host/series/README.md", "host/report/README.md",     "host/digitize/README.md",
     "host/interlaboratory/README.md",
+    "host/camera/README.md",
     "host/design/README.md", "host/export/README.md", "host/commission/README.md", "host/commands/README.md"};
 
 /// All README.md of the tree and the guides, as paths from its root, the front page first.
