@@ -174,8 +174,7 @@ double noise_beside(const Photograph& photograph, const std::vector<ImageDisc>& 
     }
   }
   const double sd = digitize::kSdOverMad * digitize::median(std::move(differences)) / kRoot6;
-  const double step = 1.0 / ((photograph.bits <= 8 ? 256.0 : 65536.0) - 1.0);
-  return std::max(sd, step / std::sqrt(12.0)) / static_cast<double>(photograph.saturation);
+  return std::max(sd, photograph.rounding_sd()) / static_cast<double>(photograph.saturation);
 }
 
 /// Directions of flight, from an image's neighbours on its leg; absent where there are none.

@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto photograph = decode_photograph({data, size}, "fuzz.tif");
   if (!photograph) return require_one_line(photograph.error().message, "fuzz.tif: "), 0;
   require(photograph->width() >= 16 && photograph->height() >= 16);
-  require(photograph->bits == 1 || photograph->bits == 8 || photograph->bits == 16);
+  require(photograph->bits == 1 || (photograph->bits >= 8 && photograph->bits <= 16));
   require(photograph->saturation > 0.0F && photograph->saturation <= 1.0F);
   require(photograph->intensity.type() == CV_32FC1);
   require(cv::checkRange(photograph->intensity, true, nullptr, 0.0, 1.0001));

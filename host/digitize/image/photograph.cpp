@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -35,7 +36,32 @@ std::string one_line(std::string text) {
 struct Decoded {
   image::Raster raster;
   cv::Mat grey;
+  int step = 1;  ///< between numbers that the file may have
 };
+
+/// How far numbers are apart: of 12 bits at the top of 16 by 16, of 8 spread over 16 by 257.
+int step_of(const cv::Mat& pixels) {
+  constexpr int kSpread = 257;
+  if (pixels.depth() == CV_8U) return 1;
+  unsigned any = 0;
+  bool spread = true;
+  for (int y = 0; y < pixels.rows; ++y) {
+    const auto* row = pixels.ptr<std::uint16_t>(y);
+    for (int x = 0; x < pixels.cols * pixels.channels(); ++x) {
+      if (row[x] == 65535) continue;  // full, or dead
+      any |= row[x];
+      spread = spread && row[x] % kSpread == 0;
+      if (!spread && (any & 1U) != 0) return 1;
+    }
+  }
+  if (any == 0) return 1;
+  return spread ? kSpread : 1 << std::min(8, std::countr_zero(any));
+}
+
+/// That numbers from 0 to `range` fill.
+int bits_of(double range, int step) {
+  return std::clamp(static_cast<int>(std::ceil(std::log2(range / step))), 8, 16);
+}
 
 /// Of light of which one colour is cut off the sum is not known: it counts as saturated, as a mosaic's does.
 void fill_where_a_colour_is_full(const cv::Mat& colours, cv::Mat& grey) {
@@ -57,8 +83,10 @@ Result<Decoded> decode_grey(std::span<const unsigned char> bytes) {
     return fail(fmt::format("{} x {} pixels are too few: {} x {} are needed", raster->width(),
                             raster->height(), kMinSide, kMinSide));
   const cv::Mat pixels = image::mat_of(*raster);
-  if (raster->channels() == 1) return Decoded{std::move(*raster), pixels};  // a mosaic, too
+  const int step = step_of(pixels);
+  if (raster->channels() == 1) return Decoded{std::move(*raster), pixels, step};  // a mosaic, too
   Decoded decoded;
+  decoded.step = step;
   cv::cvtColor(pixels, decoded.grey, cv::COLOR_RGB2GRAY);
   fill_where_a_colour_is_full(pixels, decoded.grey);
   decoded.raster.orientation = raster->orientation;
@@ -122,15 +150,16 @@ Result<Photograph> decoded(std::span<const unsigned char> bytes, const std::stri
   Photograph photograph;
   photograph.name = name;
   photograph.orientation = decoded->raster.orientation;
-  photograph.bits = grey.depth() == CV_8U ? 8 : 16;
   if (const auto& mosaic = decoded->raster.mosaic) {
     auto [light, saturation] =
         mosaic_light(grey, *mosaic, std::min<double>(mosaic->white, saturation_level(grey)));
     photograph.intensity = std::move(light);
     photograph.saturation = saturation;
+    photograph.bits = bits_of(mosaic->white - mosaic->black, decoded->step);
     return photograph;
   }
   const double top = grey.depth() == CV_8U ? 255.0 : 65535.0;
+  photograph.bits = bits_of(top, decoded->step);
   // Half a number less, so that no saturated pixel is missed by rounding.
   photograph.saturation = static_cast<float>((saturation_level(grey) - 0.5) / top);
   photograph.intensity.create(grey.size(), CV_32FC1);

@@ -2,6 +2,7 @@
 // the row counted from the top, pixel centres are at integers.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <span>
@@ -15,12 +16,15 @@ struct Photograph {
   /// CV_32FC1, proportional to the file's numbers; 1 is the largest that they can hold, of a mosaic the white
   /// level, 0 the black level.
   cv::Mat intensity;
-  int bits = 8;             ///< of the file's numbers: 8 or 16
+  int bits = 8;             ///< that the file's numbers fill, 8 to 16: 12 of 16 are 12
   float saturation = 1.0F;  ///< pixels of this intensity or more are clipped
   std::string name;         ///< the file's, for messages
   /// How EXIF, in a JPEG or PNG, says that the camera was held (1 to 8; 1: upright). The pixels are as
   /// stored: a fixed camera's calibration is of them.
   int orientation = 1;
+
+  /// Of what a file's whole numbers leave of light, in units of intensity: uniform over a step.
+  double rounding_sd() const { return 1.0 / (std::sqrt(12.0) * ((1 << bits) - 1)); }
 
   int width() const { return intensity.cols; }
   int height() const { return intensity.rows; }

@@ -308,8 +308,7 @@ std::optional<FittedOutline> fit_outline(const Photograph& photograph, const Loc
                         std::min(most, 3.0 * sigma_px + settings.outside_px),
                         std::min(most, 3.0 * sigma_px + settings.inside_px)};
   const SectorSamples samples(photograph, frame, start, grid);
-  const double rounding_sd = 1.0 / (std::sqrt(12.0) * ((1 << photograph.bits) - 1));
-  Fit fit(samples, neighbours, settings, start, sigma_px, rounding_sd);
+  Fit fit(samples, neighbours, settings, start, sigma_px, photograph.rounding_sd());
   for (int step = 0; step < settings.steps; ++step)
     if (!fit.step(step < settings.coarse_steps)) return std::nullopt;
   for (int further = 0; further < settings.further_steps && fit.is_moving(); ++further) {

@@ -134,6 +134,23 @@ TEST(Photograph, OfFewerBitsIsNoBrighterWhereOneColourIsFull) {
   CHECK_TRUE(photograph->intensity.at<float>(30, 40) < photograph->saturation);
 }
 
+TEST(Photograph, TellsHowManyBitsItsNumbersFill) {
+  const auto bits_of = [](const cv::Mat& pixels, const strobe::image::TiffOptions& options = {}) {
+    return decode_photograph(encoded_picture(pixels, ".tif", options), "a")->bits;
+  };
+  CHECK_EQUAL(8, bits_of(ramp(CV_8U, 3)));
+  CHECK_EQUAL(16, bits_of(ramp(CV_16U, 1)));
+  // 12 bits at the top of 16; 8 spread over 16.
+  CHECK_EQUAL(12, bits_of(ramp(CV_16U, 16)));
+  CHECK_EQUAL(8, bits_of(ramp(CV_16U, 257)));
+  strobe::image::Mosaic mosaic;
+  mosaic.black = 512;
+  mosaic.white = 16 * 4095;
+  CHECK_EQUAL(12, bits_of(ramp(CV_16U, 16), {.mosaic = mosaic}));
+  mosaic.white = 16383;
+  CHECK_EQUAL(14, bits_of(ramp(CV_16U, 3), {.mosaic = mosaic}));
+}
+
 TEST(Photograph, AFileThatEndsTooEarlyIsNone) {
   for (const std::string extension : {".tif", ".png", ".jpg"}) {
     const Bytes whole = encoded_picture(ramp(CV_8U, 1), extension);
