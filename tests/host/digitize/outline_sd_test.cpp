@@ -3,10 +3,13 @@
 #include <vector>
 
 #include "host/digitize/outline/outline_sd.hpp"
+#include "host/digitize/outline/outlines.hpp"
+#include "tests/host/digitize/painter.hpp"
 
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::digitize;
+using namespace strobe::testing;
 
 namespace {
 
@@ -59,6 +62,29 @@ std::vector<double> correlated(std::mt19937_64& random, double sd_px, double cor
   return off;
 }
 
+Painting one_ball(std::mt19937_64& random, double diameter_px) {
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  Painting painting;
+  painting.width = painting.height = 160;
+  painting.background = 0.02 + 0.06 * unit(random);
+  painting.seed = random();
+  const auto ball = random_ball(random, {80.0 + unit(random), 80.0 + unit(random)}, diameter_px);
+  painting.balls.push_back(ball);
+  return painting;
+}
+
+double diameter_error_over_sd(const Painting& painting) {
+  const PaintedBall& ball = painting.balls[0];
+  const Candidate candidate{ball.centre + cv::Point2d(0.6, -0.4), 0.5 * ball.diameter_px, 0.9};
+  OutlineSettings settings;
+  settings.diameter_min_px = 0.9 * ball.diameter_px;
+  settings.diameter_max_px = 1.1 * ball.diameter_px;
+  const auto outlines =
+      fit_outlines(paint(painting), PlaneMap::uncalibrated(painting.height), {&candidate, 1}, settings).outlines;
+  CHECK_TRUE(outlines[0].has_value());
+  return (outlines[0]->diameter - ball.diameter_px) / std::sqrt(outlines[0]->covariance(2, 2));
+}
+
 }  // namespace
 
 TEST_GROUP(OutlineSd){};
@@ -83,22 +109,37 @@ TEST(OutlineSd, IsTrueOfNoiseThatIsCorrelatedAlongTheOutline) {
   }
 }
 
-TEST(OutlineSd, OfADarkBallHoldsWhatRoundingItsLightMoves) {
-  const std::vector<double> none(kSectors, 0.0);
-  const double light = Drawn(none, 0.1, 0.4).sd().shared_radius_px;
-  const double dark = Drawn(none, 0.1, 0.004).sd().shared_radius_px;
-  // One of 255 numbers high: rounding to the next is 1/sqrt(12) of the step, which is as wide as the blur.
-  const double without = std::sqrt(light * light - std::pow(kRounding / 0.4, 2));
-  DOUBLES_EQUAL(std::hypot(without, kRounding / 0.004), dark, 1e-9);
+// Every ball of another size, look and place, so that what a photograph's outlines share differs, too. Of `count`
+// independent errors the rms over sds is known to 1/sqrt(2·count); the bounds are three of that about one, and half as
+// much again for the few looks that a painter has.
+TEST(OutlineSd, IsTrueOfBallsSoDarkThatRoundingMovesThem) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  double squares = 0.0;
+  constexpr int kBalls = 40;
+  for (int k = 0; k < kBalls; ++k) {
+    Painting painting = one_ball(random, 100.0 + unit(random));
+    painting.balls[0].light = 0.03;  // eight of 255 numbers, and no noise to spread them
+    painting.balls[0].grain = 0.0;
+    painting.electrons = painting.read_noise = 0.0;
+    squares += std::pow(diameter_error_over_sd(painting), 2) / kBalls;
+  }
+  CHECK_COMPARE(std::sqrt(squares), >, 0.5);
+  CHECK_COMPARE(std::sqrt(squares), <, 1.5);
 }
 
-TEST(OutlineSd, IsLargerTheDeeperASmallBallIsSampled) {
-  const std::vector<double> none(kSectors, 0.0);
-  const double shallow = Drawn(none, 0.1, 0.4).sd(1.0, 9.0).shared_radius_px;
-  const double deep = Drawn(none, 0.1, 0.4).sd(1.0, 36.0).shared_radius_px;
-  // Beyond what does not depend on it, as the 3/2th power: four times as deep, eight times as much.
-  const double floor2 = 1e-4 + std::pow(kRounding / 0.4, 2);
-  DOUBLES_EQUAL(8.0, std::sqrt((deep * deep - floor2) / (shallow * shallow - floor2)), 1e-6);
+TEST(OutlineSd, IsTrueOfSmallBallsSampledToAThirdOfTheirRadius) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  double squares = 0.0;
+  constexpr int kBalls = 40;
+  for (int k = 0; k < kBalls; ++k) {
+    Painting painting = one_ball(random, 36.0 + 8.0 * unit(random));
+    painting.bits = 16;
+    squares += std::pow(diameter_error_over_sd(painting), 2) / kBalls;
+  }
+  CHECK_COMPARE(std::sqrt(squares), >, 0.5);
+  CHECK_COMPARE(std::sqrt(squares), <, 1.5);
 }
 
 TEST(OutlineSd, CountsATerminatorForWhatAllBallsOfThePhotographAreOffAlike) {
