@@ -55,36 +55,55 @@ cv::Matx22d OvalModel::covariance(cv::Point2d plane_px) const {
   return g * unsure_ * g.t() + cv::Matx22d::eye() * (scatter_ * scatter_);
 }
 
+OvalModel::Pull OvalModel::pull(const OvalSample& sample, bool robust) const {
+  const cv::Matx22d precision = precision_of(sample, scatter_ * scatter_);
+  const cv::Vec2d residual = sample.oval - at(sample.at);
+  const double z2 = robust ? residual.dot(precision * residual) / kTukey2 : 0.0;
+  if (z2 >= 1.0) return {};
+  const cv::Matx23d g = terms(sample.at);
+  const cv::Matx32d weighted = (1.0 - z2) * (1.0 - z2) * (g.t() * precision);
+  return {weighted * g, weighted * sample.oval};
+}
+
+void OvalModel::solve() {
+  unsure_ = all_.normal.inv(cv::DECOMP_CHOLESKY);
+  unknowns_ = unsure_ * all_.right;
+}
+
+OvalModel OvalModel::without(const OvalSample& sample) const {
+  OvalModel others = *this;
+  const Pull own = pull(sample);
+  others.all_ = {all_.normal - own.normal, all_.right - own.right};
+  others.solve();
+  return others;
+}
+
 std::optional<OvalModel> fit_oval_model(std::span<const OvalSample> samples, cv::Point2d middle,
                                         double reach_px, double stretch_sd) {
+  constexpr int kRounds = 6;
   if (samples.size() < kMinSamples) return std::nullopt;
   OvalModel agreed;
   agreed.middle_ = middle;
   agreed.reach_px_ = reach_px;
+  agreed.scatter_ = kMinSd;
   std::vector<cv::Vec2d> residuals(samples.size());
-  double extra = kMinSd * kMinSd;
-  cv::Matx33d normal;
-  for (int round = 0; round < 6; ++round) {
-    normal = cv::Matx33d::zeros();
-    normal(0, 0) = normal(1, 1) = 1.0 / (kSquare_sd * kSquare_sd);
-    normal(2, 2) = 1.0 / (stretch_sd * stretch_sd);
-    cv::Vec3d right;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const cv::Matx22d precision = precision_of(samples[i], extra);
-      const double z2 = residuals[i].dot(precision * residuals[i]) / kTukey2;
-      if (z2 >= 1.0) continue;
-      const cv::Matx23d g = agreed.terms(samples[i].at);
-      const cv::Matx32d weighted = (1.0 - z2) * (1.0 - z2) * (g.t() * precision);
-      normal += weighted * g;
-      right += weighted * samples[i].oval;
+  for (int round = 0; round <= kRounds; ++round) {
+    OvalModel::Pull all;
+    all.normal(0, 0) = all.normal(1, 1) = 1.0 / (kSquare_sd * kSquare_sd);
+    all.normal(2, 2) = 1.0 / (stretch_sd * stretch_sd);
+    for (const OvalSample& sample : samples) {
+      const OvalModel::Pull own = agreed.pull(sample, round > 0);
+      all.normal += own.normal;
+      all.right += own.right;
     }
-    agreed.unknowns_ = normal.solve(right, cv::DECOMP_CHOLESKY);
+    agreed.all_ = all;
+    // What without() takes away is what the last round added.
+    if (round == kRounds) break;
+    agreed.solve();
     for (std::size_t i = 0; i < samples.size(); ++i)
       residuals[i] = samples[i].oval - agreed.at(samples[i].at);
-    extra = extra_variance(samples, residuals);
+    agreed.scatter_ = std::sqrt(extra_variance(samples, residuals));
   }
-  agreed.unsure_ = normal.inv(cv::DECOMP_CHOLESKY);
-  agreed.scatter_ = std::sqrt(extra);
   return agreed;
 }
 

@@ -31,17 +31,26 @@ inline constexpr double kSquare_sd = 1e-3;
 class OvalModel {
  public:
   cv::Vec2d at(cv::Point2d plane_px) const;
-  /// Of an outline there; with what one outline differs by from all others. One that is a sample itself is
-  /// counted twice by whom this is a prior for: little, where several are about as far out.
+  /// Of an outline there; with what one outline differs by from all others.
   cv::Matx22d covariance(cv::Point2d plane_px) const;
+  /// As all samples but this one show it: a prior for the outline of which it is. The scatter stays.
+  OvalModel without(const OvalSample& sample) const;
   double scatter() const { return scatter_; }  ///< sd of each component of one outline about the others
 
  private:
   friend std::optional<OvalModel> fit_oval_model(std::span<const OvalSample>, cv::Point2d, double, double);
+  /// A sample's part of the normal equations, and of their right-hand side.
+  struct Pull {
+    cv::Matx33d normal = cv::Matx33d::zeros();
+    cv::Vec3d right;
+  };
   cv::Matx23d terms(cv::Point2d plane_px) const;
+  Pull pull(const OvalSample& sample, bool robust = true) const;
+  void solve();
 
   cv::Point2d middle_;
   double reach_px_ = 1.0;
+  Pull all_;  ///< the prior's, too
   cv::Vec3d unknowns_;
   cv::Matx33d unsure_;  ///< covariance of the unknowns
   double scatter_ = 0.0;

@@ -108,7 +108,8 @@ struct Work {
   std::optional<LocalFrame> frame;
   std::optional<CoarseCircle> coarse;
   std::optional<FittedOutline> fitted;
-  std::optional<PlaneDisc> disc;  ///< the current estimate; absent: no outline
+  std::optional<PlaneDisc> disc;     ///< the current estimate; absent: no outline
+  std::optional<OvalSample> sample;  ///< its part of the oval model
   std::optional<Rejection> rejection;
 };
 
@@ -244,9 +245,9 @@ class OutlineFitter {
     settings.sectors_px = settings_.effort == Effort::fast ? 12.0 : 8.0;
     settings.rays_px = settings_.effort == Effort::fast || sweep == 0 ? 2.0 : 1.0;
     settings.oval_covariance = oval_covariance(before[i].disc->centre);
-    if (oval_model_) {
-      settings.oval = oval_model_->at(before[i].disc->centre);
-      settings.oval_covariance = oval_model_->covariance(before[i].disc->centre);
+    if (const auto ovals = others_ovals(before[i])) {
+      settings.oval = ovals->at(before[i].disc->centre);
+      settings.oval_covariance = ovals->covariance(before[i].disc->centre);
     }
     if (settings_.diameter_px && settings_.diameter_sd_px) {
       settings.radius_px = 0.5 * expected_diameter(before[i].disc->centre) * work.frame->scale();
@@ -306,11 +307,17 @@ class OutlineFitter {
     return OvalSample{work.disc->centre, own * both * cv::Vec2d(shape.oval_cos, shape.oval_sin) * unit, own};
   }
 
+  /// An outline is not told by others what it told them.
+  std::optional<OvalModel> others_ovals(const Work& work) const {
+    return oval_model_ && work.sample ? oval_model_->without(*work.sample) : oval_model_;
+  }
+
   void share_ovality() {
     std::vector<OvalSample> samples;
-    for (const Work& work : works_) {
+    for (Work& work : works_) {
       if (!work.disc) continue;
-      if (const auto sample = oval_of(work)) samples.push_back(*sample);
+      work.sample = oval_of(work);
+      if (work.sample) samples.push_back(*work.sample);
     }
     oval_model_ = fit_oval_model(samples, middle(), reach_px(), corner_sd());
     if (oval_model_ && std::hypot(oval_model_->scatter(), kSquare_sd) >= oval_sd()) oval_model_.reset();
@@ -318,7 +325,8 @@ class OutlineFitter {
     for (Work& work : works_) {
       if (!work.disc) continue;
       const cv::Point2d at = work.disc->centre;
-      apply_oval_prior(*work.fitted, oval_model_->at(at), oval_model_->covariance(at), oval_covariance(at));
+      const OvalModel ovals = *others_ovals(work);
+      apply_oval_prior(*work.fitted, ovals.at(at), ovals.covariance(at), oval_covariance(at));
       work.disc = disc_of(map_, *work.frame, work.fitted->shape);
     }
   }

@@ -77,6 +77,21 @@ TEST(OvalAgreement, KnowsLessOfCornersWhereNoImageIs) {
   CHECK(std::sqrt(agreed->covariance(middle)(0, 0)) < 2e-3);
 }
 
+TEST(OvalAgreement, WithoutAnImageIsWhatTheOthersShow) {
+  auto all = samples(0.02, 1e-5, 12);
+  for (OvalSample& sample : all) sample.covariance = cv::Matx22d::eye() * 1e-6;
+  const auto agreed = fit_oval_model(all, middle, reach_px, corner_sd);
+  const OvalSample left = all.back();
+  all.pop_back();
+  const auto others = fit_oval_model(all, middle, reach_px, corner_sd);
+  CHECK_TRUE(agreed.has_value() && others.has_value());
+  // All agree to a hundredth of their sds, so that no weight differs by more than its square.
+  const auto without = agreed->without(left);
+  DOUBLES_EQUAL(others->at(left.at)[0], without.at(left.at)[0], 1e-6);
+  DOUBLES_EQUAL(1.0, without.covariance(left.at)(0, 0) / others->covariance(left.at)(0, 0), 1e-3);
+  CHECK(agreed->covariance(left.at)(0, 0) < 0.99 * without.covariance(left.at)(0, 0));
+}
+
 TEST(OvalAgreement, NeedsSomeImages) {
   CHECK_FALSE(fit_oval_model(samples(0.0, 1e-3, 4), middle, reach_px, corner_sd));
 }
