@@ -73,7 +73,8 @@ Painting one_ball(std::mt19937_64& random, double diameter_px) {
   return painting;
 }
 
-double diameter_error_over_sd(const Painting& painting) {
+/// Of the first ball's light.
+Outline outline_of(const Painting& painting) {
   const PaintedBall& ball = painting.balls[0];
   const Candidate candidate{ball.centre + cv::Point2d(0.6, -0.4), 0.5 * ball.diameter_px, 0.9};
   OutlineSettings settings;
@@ -82,7 +83,12 @@ double diameter_error_over_sd(const Painting& painting) {
   const auto outlines =
       fit_outlines(paint(painting), PlaneMap::uncalibrated(painting.height), {&candidate, 1}, settings).outlines;
   CHECK_TRUE(outlines[0].has_value());
-  return (outlines[0]->diameter - ball.diameter_px) / std::sqrt(outlines[0]->covariance(2, 2));
+  return *outlines[0];
+}
+
+double diameter_error_over_sd(const Painting& painting) {
+  const Outline outline = outline_of(painting);
+  return (outline.diameter - painting.balls[0].diameter_px) / std::sqrt(outline.covariance(2, 2));
 }
 
 }  // namespace
@@ -110,13 +116,12 @@ TEST(OutlineSd, IsTrueOfNoiseThatIsCorrelatedAlongTheOutline) {
 }
 
 // Every ball of another size, look and place, so that what a photograph's outlines share differs, too. Of `count`
-// independent errors the rms over sds is known to 1/sqrt(2·count); the bounds are three of that about one, and half as
-// much again for the few looks that a painter has.
+// independent errors the rms over sds is known to 1/sqrt(2·count); the bounds are three of that about one.
 TEST(OutlineSd, IsTrueOfBallsSoDarkThatRoundingMovesThem) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   double squares = 0.0;
-  constexpr int kBalls = 40;
+  constexpr int kBalls = 20;
   for (int k = 0; k < kBalls; ++k) {
     Painting painting = one_ball(random, 100.0 + unit(random));
     painting.balls[0].light = 0.03;  // eight of 255 numbers, and no noise to spread them
@@ -132,7 +137,7 @@ TEST(OutlineSd, IsTrueOfSmallBallsSampledToAThirdOfTheirRadius) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   double squares = 0.0;
-  constexpr int kBalls = 40;
+  constexpr int kBalls = 20;
   for (int k = 0; k < kBalls; ++k) {
     Painting painting = one_ball(random, 36.0 + 8.0 * unit(random));
     painting.bits = 16;
@@ -140,6 +145,29 @@ TEST(OutlineSd, IsTrueOfSmallBallsSampledToAThirdOfTheirRadius) {
   }
   CHECK_COMPARE(std::sqrt(squares), >, 0.5);
   CHECK_COMPARE(std::sqrt(squares), <, 1.5);
+}
+
+TEST(OutlineSd, IsTrueOfBallsThatTwoUnequalFlashesShowAPixelOrTwoApart) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  double squares = 0.0, without = 0.0;
+  constexpr int kBalls = 20;
+  for (int k = 0; k < kBalls; ++k) {
+    Painting painting = one_ball(random, 120.0);
+    const double before = outline_of(painting).covariance(0, 0);
+    const double share = 0.05 + 0.15 * unit(random), apart_px = 1.0 + unit(random);
+    const double true_x = painting.balls[0].centre.x + share * apart_px;
+    painting.balls.push_back(painting.balls[0]);
+    painting.balls[0].light *= 1.0 - share;
+    painting.balls[1].light *= share;
+    painting.balls[1].centre.x += apart_px;
+    const Outline outline = outline_of(painting);
+    squares += std::pow(outline.centre.x - true_x, 2) / outline.covariance(0, 0) / kBalls;
+    without += std::pow(outline.centre.x - true_x, 2) / before / kBalls;
+  }
+  CHECK_COMPARE(std::sqrt(squares), >, 0.5);
+  CHECK_COMPARE(std::sqrt(squares), <, 1.5);
+  CHECK_COMPARE(std::sqrt(squares), <, 0.8 * std::sqrt(without));
 }
 
 TEST(OutlineSd, CountsATerminatorForWhatAllBallsOfThePhotographAreOffAlike) {
