@@ -45,6 +45,17 @@ double log10_curves_by_chance(std::size_t points, std::size_t members, std::size
   return (trials + log_tail(points - parameters, members - parameters, probability)) / std::log(10.0);
 }
 
+double log10_nearest_by_chance(std::size_t points, std::vector<double> off_px, std::size_t parameters,
+                               double share_per_px) {
+  std::ranges::sort(off_px);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t nearest = parameters + 1; nearest <= off_px.size(); ++nearest) {
+    const double share = 2.0 * std::max(kMinResidual_px, off_px[nearest - 1]) * share_per_px;
+    least = std::min(least, log10_curves_by_chance(points, nearest, parameters, share));
+  }
+  return least;
+}
+
 double share_of_view_per_px(std::span<const PathPoint> points, std::span<const int> eligible,
                             double diameter_px) {
   if (eligible.empty()) return 1.0;
@@ -259,21 +270,16 @@ class LegSearch {
     candidates.push_back({std::move(leg), log10_chance});
   }
 
-  /// With the shape, and as many of the nearest members, as are the least likely by chance: an uncertain
-  /// image far off says nothing against the others.
+  /// With the shape that is the least likely by chance.
   double by_chance(const std::vector<int>& members) const {
     double least = std::numeric_limits<double>::infinity();
     for (const Shape shape : {Shape::line, Shape::parabola, Shape::conic}) {
       const auto curve = FlightCurve::fit(points_, members, d_, shape);
       if (!curve) continue;
-      const auto parameters = static_cast<std::size_t>(shape);
       std::vector<double> off;
-      for (const int i : members) off.push_back(std::max(kMinResidual_px, std::abs(curve->off(at(i)))));
-      std::ranges::sort(off);
-      for (std::size_t nearest = parameters + 1; nearest <= off.size(); ++nearest) {
-        const double share = 2.0 * off[nearest - 1] * share_per_px_;
-        least = std::min(least, log10_curves_by_chance(free_.size(), nearest, parameters, share));
-      }
+      for (const int i : members) off.push_back(std::abs(curve->off(at(i))));
+      least = std::min(least, log10_nearest_by_chance(free_.size(), std::move(off),
+                                                      static_cast<std::size_t>(shape), share_per_px_));
     }
     return least + std::log10(3.0);  // three shapes are tried
   }

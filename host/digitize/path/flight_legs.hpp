@@ -25,6 +25,11 @@ inline constexpr double kMinResidual_px = 0.1;
 /// points.
 double log10_curves_by_chance(std::size_t points, std::size_t members, std::size_t parameters, double share);
 
+/// Likewise, of a curve whose members are so far from it: with as many of the nearest as are the least likely
+/// by chance, for an uncertain image far off says nothing against the others. `share_per_px` as below.
+double log10_nearest_by_chance(std::size_t points, std::vector<double> off_px, std::size_t parameters,
+                               double share_per_px);
+
 /// What part of the view of these points, a diameter around them, a band along a path across it covers for
 /// each px of its width.
 double share_of_view_per_px(std::span<const PathPoint> points, std::span<const int> eligible,

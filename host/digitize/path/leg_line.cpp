@@ -258,10 +258,10 @@ class LegPair {
     std::ranges::set_difference(airborne_, one.members, std::back_inserter(left));
     if (own.size() <= kMinOwnImages)  // any two make a line
       return std::log10(0.5 * static_cast<double>(left.size() * (left.size() - 1)) * kMeetByChance);
-    double off = kMinResidual_px;
-    for (const int i : own) off = std::max(off, std::abs(two.off(point_at(points_, i).at)));
-    const double share = 2.0 * off * share_per_px_;
-    return log10_curves_by_chance(left.size(), own.size(), kMinOwnImages, share) + std::log10(kMeetByChance);
+    std::vector<double> off;
+    for (const int i : own) off.push_back(std::abs(two.off(point_at(points_, i).at)));
+    return log10_nearest_by_chance(left.size(), std::move(off), kMinOwnImages, share_per_px_) +
+           std::log10(kMeetByChance);
   }
 
   std::span<const PathPoint> points_;
