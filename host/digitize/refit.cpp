@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include "host/digitize/path/leg_line.hpp"
+
 namespace strobe::digitize {
 namespace {
 
@@ -11,8 +13,6 @@ namespace {
 constexpr std::size_t kMinForRefit = 4;
 // Beyond what chance and common wear of balls make of one in a few thousand.
 constexpr double kInconsistent_sd = 4.0;
-// Nearer to an outline than this lies hardly another.
-constexpr double kSameOfDiameter = 0.2;
 
 Candidate candidate_at(const PlaneMap& map, cv::Point2d at, double diameter) {
   const cv::Point2d centre = map.to_image(at);
@@ -21,8 +21,9 @@ Candidate candidate_at(const PlaneMap& map, cv::Point2d at, double diameter) {
 }
 
 bool is_known(std::span<const Outline> outlines, cv::Point2d place) {
-  return std::ranges::any_of(
-      outlines, [&](const Outline& o) { return cv::norm(o.centre - place) < kSameOfDiameter * o.diameter; });
+  return std::ranges::any_of(outlines, [&](const Outline& o) {
+    return cv::norm(o.centre - place) < kSameThingOfDiameter * o.diameter;
+  });
 }
 
 /// What was left out for its size, or for want of precision, which the others' size may help.

@@ -256,12 +256,26 @@ class LegPair {
     std::vector<int> own, left;
     std::ranges::set_difference(two.members, one.members, std::back_inserter(own));
     std::ranges::set_difference(airborne_, one.members, std::back_inserter(left));
-    if (own.size() <= kMinOwnImages)  // any two make a line
+    leave_one_of_each_place(own);
+    if (own.size() < kMinOwnImages) return std::numeric_limits<double>::infinity();
+    if (own.size() == kMinOwnImages)  // any two make a line
       return std::log10(0.5 * static_cast<double>(left.size() * (left.size() - 1)) * kMeetByChance);
     std::vector<double> off;
     for (const int i : own) off.push_back(std::abs(two.off(point_at(points_, i).at)));
     return log10_nearest_by_chance(left.size(), std::move(off), kMinOwnImages, share_per_px_) +
            std::log10(kMeetByChance);
+  }
+
+  /// Two outlines of one thing lead to what is beyond it no more surely than one.
+  void leave_one_of_each_place(std::vector<int>& images) const {
+    std::vector<int> kept;
+    for (const int i : images) {
+      const bool known = std::ranges::any_of(kept, [&](int other) {
+        return cv::norm(point_at(points_, i).at - point_at(points_, other).at) < kSameThingOfDiameter * d_;
+      });
+      if (!known) kept.push_back(i);
+    }
+    images = std::move(kept);
   }
 
   std::span<const PathPoint> points_;

@@ -33,6 +33,8 @@ inline constexpr double kBandOfDiameter = 0.12;
 /// In diameters. Two centres closer than this are at one place: they give no direction, two images there
 /// share one outline, and flights whose tops differ by less are as high.
 inline constexpr double kSamePlaceOfDiameter = 0.1;
+/// In diameters. Outlines nearer to each other than this are as good as always of one thing.
+inline constexpr double kSameThingOfDiameter = 0.2;
 /// Lines within 6 degrees of each other are not told apart by their directions.
 inline constexpr double kSameDirection = 0.1;
 

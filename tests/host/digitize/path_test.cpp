@@ -180,6 +180,32 @@ TEST(BallPath, HasNoSecondLegOfPlacesAtRandom) {
   CHECK_COMPARE(invented, <, kSets / 10 + 4 * 6);
 }
 
+TEST(BallPath, HasASecondLegOfThreePlacesButNotOfTwoOutlinesOfOneThingAndAnother) {
+  const auto legs_with = [](double apart_of_diameter) {
+    std::vector<PathPoint> points;
+    for (int k = 0; k < 4; ++k) points.push_back({{300.0 * (k + 1), 150.0 * (k + 1)}, 0.1, 0.95});
+    // From its end upwards to the left, within a pixel of a line.
+    const cv::Point2d up(-0.6, 0.8);
+    points.push_back({400.0 * up, 1.0, 0.95});
+    points.push_back({1500.0 * up, 1.0, 0.95});
+    points.push_back({(1500.0 + apart_of_diameter * kDiameter_px) * up + cv::Point2d(0.8, 0.6), 1.0, 0.95});
+    // Of six places that one leg leaves any two may make a line.
+    for (const cv::Point2d junk : {cv::Point2d(1900.0, 300.0), {200.0, 1500.0}, {1400.0, -200.0}})
+      points.push_back({junk, 1.0, 0.3});
+    return find_path(points, scene(false).path).legs.size();
+  };
+  LONGS_EQUAL(2, legs_with(1.0));
+  LONGS_EQUAL(1, legs_with(0.15));
+}
+
+TEST(BallPath, HasNoSecondLegOfTwoOutlinesOfOneThingAlone) {
+  std::vector<PathPoint> points;
+  for (int k = 0; k < 4; ++k) points.push_back({{300.0 * (k + 1), 150.0 * (k + 1)}, 0.1, 0.95});
+  const cv::Point2d up(-0.6, 0.8);
+  for (const double along : {0.5, 0.65}) points.push_back({along * kDiameter_px * up, 1.0, 0.95});
+  LONGS_EQUAL(1, find_path(points, scene(false).path).legs.size());
+}
+
 TEST(BallPath, TakesTheTimesOfItsFlashesWithOneMissing) {
   const auto times = flashes();
   Shot shot;
