@@ -34,20 +34,30 @@ double density(double value, double mean, double sd) {
   return std::exp(-0.5 * beyond * beyond) / (std::sqrt(2.0 * std::numbers::pi) * sd);
 }
 
-/// A shutter that opens or shuts meanwhile, or a lamp that flickers, makes ghosts of any less light.
-double density_of_ghost(double log_share, std::optional<double> ambient_share) {
-  const double anywhere = density(log_share, kGhostMean, kGhostSd);
-  if (!ambient_share) return anywhere;
-  const double level = std::max(std::log(std::max(*ambient_share, 1e-3)), -kRangeOfHidden);
-  return kWrongLevel * anywhere + (1.0 - kWrongLevel) * density(log_share, level, kAboutLevel);
-}
+double log_of(double share) { return std::log(std::max(share, 1e-3)); }
+
+/// What is known of the picture's ambient light.
+struct Level {
+  std::optional<double> measured;         ///< share of a flash's
+  double at_least_log = -kRangeOfHidden;  ///< as other ghosts show it
+
+  /// A shutter that opens or shuts meanwhile, or a lamp that flickers, makes ghosts of any less light.
+  double density_of_ghost(double log_share) const {
+    const double known =
+        density(at_least_log, kGhostMean, kGhostSd) / density(kGhostMean, kGhostMean, kGhostSd);
+    const double anywhere = density(std::max(log_share, at_least_log), kGhostMean, kGhostSd) / known;
+    if (!measured) return anywhere;
+    const double level = std::max(log_of(*measured), -kRangeOfHidden);
+    return kWrongLevel * anywhere + (1.0 - kWrongLevel) * density(log_share, level, kAboutLevel);
+  }
+};
 
 /// log(p / (1 - p)) that a disc of that share of a ball's light is a ball's.
-double log_odds_of_share(double share, double apart_of_diameter, std::optional<double> ambient_share) {
+double log_odds_of_share(double share, double apart_of_diameter, const Level& level) {
   const double sd = std::sqrt(kFlashVariance + kVariancePerDiameter * apart_of_diameter);
-  const double log_share = std::min(0.0, std::log(std::max(share, 1e-3)));
+  const double log_share = std::min(0.0, log_of(share));
   const double ball = kHidden / kRangeOfHidden + (1.0 - kHidden) * density(-log_share, 0.0, sd);
-  return std::log(ball / density_of_ghost(log_share, ambient_share));
+  return std::log(ball / level.density_of_ghost(log_share));
 }
 
 /// Median over the directions, as lamps stand still and light both alike: what crosses a limb disturbs a few
@@ -66,9 +76,7 @@ double share_of(const Limb& disc, const Limb& ball) {
   return shares.empty() ? 1.0 : median(std::move(shares));
 }
 
-}  // namespace
-
-std::vector<Ghost> find_ghosts(std::span<const LitDisc> discs, std::optional<double> ambient_share) {
+std::vector<Ghost> ghosts_by(std::span<const LitDisc> discs, const Level& level) {
   std::vector<double> rise;
   for (const LitDisc& disc : discs) rise.push_back(typical_rise(disc.limb));
   std::vector<std::size_t> brightest_first(discs.size());
@@ -85,14 +93,23 @@ std::vector<Ghost> find_ghosts(std::span<const LitDisc> discs, std::optional<dou
       if (apart < least) least = apart, nearest = ball;
     }
     const double share = nearest ? share_of(disc.limb, discs[*nearest].limb) : 1.0;
-    if (nearest && log_odds_of_share(share, least / disc.diameter, ambient_share) +
-                           std::clamp(disc.log_odds, 0.0, kMaxOdds) <
-                       0.0)
+    if (nearest &&
+        log_odds_of_share(share, least / disc.diameter, level) + std::clamp(disc.log_odds, 0.0, kMaxOdds) <
+            0.0)
       ghosts.push_back({static_cast<int>(i), share});
     else if (disc.log_odds >= kCertainOdds)
       balls.push_back(i);
   }
   return ghosts;
+}
+
+}  // namespace
+
+std::vector<Ghost> find_ghosts(std::span<const LitDisc> discs, std::optional<double> ambient_share) {
+  Level level{.measured = ambient_share};
+  for (const Ghost& ghost : ghosts_by(discs, level))
+    level.at_least_log = std::max(level.at_least_log, std::min(0.0, log_of(ghost.share)));
+  return ghosts_by(discs, level);
 }
 
 }  // namespace strobe::digitize

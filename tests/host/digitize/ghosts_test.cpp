@@ -95,6 +95,16 @@ TEST(Ghosts, AreAsBrightAsTheRoomIs) {
   CHECK_TRUE(ghosts_of({disc_at(0, 0.3), disc_at(240, 0.06, 3.0)}, 0.15) == std::vector<int>{1});
 }
 
+TEST(Ghosts, SayHowBrightTheOthersMayBe) {
+  // Of a trail whose level is not measured two discs are told; a third is a little brighter, as what lies
+  // behind it hides where its limb is.
+  const std::vector<LitDisc> trail{disc_at(0, 0.3), disc_at(75, 0.13), disc_at(350, 0.11), disc_at(400, 0.3)};
+  CHECK_TRUE(ghosts_of(trail) == (std::vector<int>{1, 2}));
+  CHECK_TRUE(ghosts_of({trail[0], trail[1], trail[3]}).empty());
+  // Faint ones say nothing of brighter ones: they may be half hidden.
+  CHECK_TRUE(ghosts_of({trail[0], trail[1], disc_at(350, 0.015), trail[3]}) == std::vector<int>{2});
+}
+
 TEST_GROUP(AmbientLight){};
 
 TEST(AmbientLight, IsOverBothSidesOfTheWay) {
