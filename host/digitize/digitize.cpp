@@ -12,6 +12,7 @@
 #include "host/digitize/candidates/candidates.hpp"
 #include "host/digitize/core/statistics.hpp"
 #include "host/digitize/equator/equator.hpp"
+#include "host/digitize/outliers/ball_odds.hpp"
 #include "host/digitize/outliers/selection.hpp"
 #include "host/digitize/outline/outlines.hpp"
 #include "host/digitize/path/image_order.hpp"
@@ -194,15 +195,11 @@ class Digitizer {
       if (surface_->sd_px > 0.0) frame.surface_sd_px = surface_->sd_px;
     }
     for (const Outline& o : result_.outlines) {
-      BallImage image;
+      BallImage& image = frame.images.emplace_back();
       image.centre_px = {o.centre.x, o.centre.y};
       image.diameter_px = o.diameter;
-      const double xy = 0.5 * (o.covariance(0, 1) + o.covariance(1, 0));
-      image.centre_cov_px2 = std::array<double, 4>{o.covariance(0, 0), xy, xy, o.covariance(1, 1)};
-      image.diameter_sd_px = o.diameter_sd();
       image.probability = o.probability;
       image.source = "auto";
-      frame.images.push_back(std::move(image));
     }
   }
 
@@ -226,6 +223,17 @@ class Digitizer {
     result_.outlines = select_by_path(photograph_, map_, outlines, surface_, settings_, result_.unmeasured);
     fill_frame();
     order_images(result_.frame, result_.outlines, settings_, result_.remarks);
+    for (std::size_t i = 0; i < result_.outlines.size(); ++i) {
+      add_moved_limb(result_.outlines[i]);
+      set_uncertainty(result_.outlines[i], result_.frame.images[i]);
+    }
+  }
+
+  static void set_uncertainty(const Outline& outline, BallImage& image) {
+    const cv::Matx33d& covariance = outline.covariance;
+    const double xy = 0.5 * (covariance(0, 1) + covariance(1, 0));
+    image.centre_cov_px2 = std::array<double, 4>{covariance(0, 0), xy, xy, covariance(1, 1)};
+    image.diameter_sd_px = outline.diameter_sd();
   }
 
   static std::size_t off_path(const Digitization& digitization) {

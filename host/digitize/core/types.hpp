@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -82,7 +83,12 @@ struct Outline {
   double rms_px = 0.0;            ///< of its edge residuals
   double blur_px = 0.0;           ///< sd of the edge's blur
   double probability = 1.0;       ///< that it is one of the ball's images, 0 to 1
+  /// By which what lies under one side of it moves the outline there, rms, as far as its size tells. Paths
+  /// allow for it as the most that it may be, and the covariance has it once the path is known.
+  double moved_limb_px = 0.0;
 
+  /// Half of a circle moved by x moves the fit's diameter by x, its centre by 2 x / pi towards there.
+  double moved_centre_px() const { return 2.0 / std::numbers::pi * moved_limb_px; }
   /// Of the less certain coordinate. [px]
   double centre_sd() const { return std::sqrt(std::max(covariance(0, 0), covariance(1, 1))); }
   double diameter_sd() const { return std::sqrt(std::max(0.0, covariance(2, 2))); }

@@ -9,6 +9,18 @@
 
 namespace strobe::digitize {
 
+namespace {
+
+// The path comes nearer, and what lies under a limb moves it: one ball in twenty is not of the others'
+// size.
+constexpr double kOfAnySize = 0.05;
+
+double normal_density(double off, double sd) {
+  return std::exp(-0.5 * off * off / (sd * sd)) / (std::sqrt(2.0 * std::numbers::pi) * sd);
+}
+
+}  // namespace
+
 double probability(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
 
 double log_prior(std::span<const double> log_odds) {
@@ -26,17 +38,32 @@ double log_prior(std::span<const double> log_odds) {
 }
 
 double log_odds_of_size(const Outline& outline, const SizeModel& size) {
-  // The path comes nearer, and what lies under a limb moves it: one ball in twenty is not of the others'
-  // size.
-  constexpr double kOfAnySize = 0.05;
   // Outlines of anything are of any size that is sought.
   constexpr double kRangeOfDiameter = 0.3;
   const double expected = size.at(outline.centre.x);
   const double sd = std::hypot(std::hypot(outline.diameter_sd(), kSdOfDiameter * expected),
                                std::hypot(size.sd, size.spread));
-  const double z = (outline.diameter - expected) / sd;
-  const double density = std::exp(-0.5 * z * z) / (std::sqrt(2.0 * std::numbers::pi) * sd);
+  const double density = normal_density(outline.diameter - expected, sd);
   return std::log(kOfAnySize + (1.0 - kOfAnySize) * density * kRangeOfDiameter * expected);
+}
+
+double moved_limb_px(const Outline& outline, const SizeModel& size) {
+  const double expected = size.at(outline.centre.x), off = outline.diameter - expected;
+  const double sd = std::hypot(outline.diameter_sd(), size.sd, size.spread);
+  const double moved = kOfAnySize * normal_density(off, std::hypot(sd, kSdOfDiameter * expected));
+  const double as_it_is = (1.0 - kOfAnySize) * normal_density(off, sd);
+  if (!(moved > 0.0)) return 0.0;  // farther off than numbers tell, as no ball is
+  // What is of any other size is none of the balls.
+  const double a_ball = 1.0 - kOfAnySize / std::exp(log_odds_of_size(outline, size));
+  return std::abs(off) * std::sqrt(a_ball * moved / (moved + as_it_is));
+}
+
+void add_moved_limb(Outline& outline) {
+  // In any direction alike, so that each coordinate has half of the square.
+  const double centre_variance = 0.5 * std::pow(outline.moved_centre_px(), 2);
+  outline.covariance(0, 0) += centre_variance;
+  outline.covariance(1, 1) += centre_variance;
+  outline.covariance(2, 2) += outline.moved_limb_px * outline.moved_limb_px;
 }
 
 std::vector<double> log_odds_of(std::span<const Outline> outlines, std::span<const LimbAgreement> limbs,

@@ -23,6 +23,13 @@ double log_prior(std::span<const double> log_odds);
 /// What it adds that its diameter is the ball's or not, as far as both are known.
 double log_odds_of_size(const Outline& outline, const SizeModel& size);
 
+/// What lies under one side of an outline moves it there, so that its size is not the others' and its centre
+/// is off as well: Outline::moved_limb_px.
+double moved_limb_px(const Outline& outline, const SizeModel& size);
+
+/// Adds the outline's moved_limb_px to its covariance.
+void add_moved_limb(Outline& outline);
+
 /// By limb and size, with the prior; one for each outline, in their order.
 std::vector<double> log_odds_of(std::span<const Outline> outlines, std::span<const LimbAgreement> limbs,
                                 const SizeModel& size);

@@ -374,6 +374,7 @@ std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap
       reject_unlikely(rejected, outlines[i], limbs[i], size);
       continue;
     }
+    outlines[i].moved_limb_px = moved_limb_px(outlines[i], size);
     their_limbs.push_back(limbs[i]);
     their_odds.push_back(odds[i]);
     balls.push_back(std::move(outlines[i]));

@@ -27,9 +27,11 @@ std::vector<PathPoint> path_points(std::span<const Outline> outlines,
   const geometry::SurfaceFrame axes = surface ? surface_frame(*surface) : geometry::SurfaceFrame{};
   std::vector<PathPoint> points;
   points.reserve(outlines.size());
-  for (const Outline& o : outlines)
+  for (const Outline& o : outlines) {
+    const double sd = std::hypot(o.centre_sd(), o.moved_centre_px() / kFarthest_sd);
     points.push_back(
-        {to_point(axes.from_image(to_eigen(o.centre))), o.centre_sd(), std::clamp(o.probability, 0.0, 1.0)});
+        {to_point(axes.from_image(to_eigen(o.centre))), sd, std::clamp(o.probability, 0.0, 1.0)});
+  }
   return points;
 }
 

@@ -192,6 +192,37 @@ TEST(BallOdds, FallSteadilyWithTheDifferenceInSize) {
   DOUBLES_EQUAL(odds(260.0 * 1.4), odds(260.0 * 2.0), 1e-3);
 }
 
+TEST(BallOdds, LeaveAnOutlineOfWhichOneSideIsMovedAsUncertainAsItIsOff) {
+  constexpr int kRays = 72;
+  const SizeModel size{260.0, 0.0, 0.1};
+  double squares = 0.0, size_squares = 0.0, count = 0.0;
+  for (int turn = 0; turn < kRays; ++turn) {
+    for (const double moved : {-8.0, -5.0, 5.0, 8.0}) {
+      // Least squares of a circle through rays of which half are longer.
+      cv::Vec3d sum;
+      for (int k = 0; k < kRays; ++k) {
+        const double angle = 2.0 * CV_PI * k / kRays;
+        const double beyond = (k - turn + kRays) % kRays < kRays / 2 ? moved : 0.0;
+        sum += beyond * cv::Vec3d(2.0 * std::cos(angle), 2.0 * std::sin(angle), 2.0) * (1.0 / kRays);
+      }
+      Outline outline = ball_at(700.0 + sum[0], 260.0 + sum[2], 0.3);
+      outline.moved_limb_px = moved_limb_px(outline, size);
+      add_moved_limb(outline);
+      squares += sum[0] * sum[0] / outline.covariance(0, 0) + sum[1] * sum[1] / outline.covariance(1, 1);
+      size_squares += sum[2] * sum[2] / outline.covariance(2, 2);
+      count += 1.0;
+    }
+  }
+  // Beside the outline's own .3 px, and where they are off by their true sd in every case.
+  DOUBLES_EQUAL(2.0, squares / count, 0.1);
+  DOUBLES_EQUAL(1.0, size_squares / count, 0.05);
+  // Chance has as many as one in three outlines a sd off, and tells nothing of any limb.
+  Outline as_others = ball_at(700.0, 260.0 + 0.3, 0.3);
+  as_others.moved_limb_px = moved_limb_px(as_others, size);
+  add_moved_limb(as_others);
+  DOUBLES_EQUAL(0.3, as_others.centre_sd(), 0.003);
+}
+
 TEST(BallOdds, RiseOnALegTheMoreTheBetterTheCentreIsKnown) {
   Photograph photograph;
   photograph.intensity = cv::Mat::zeros(1000, 1500, CV_32FC1);
