@@ -1,11 +1,14 @@
 // Which flash made which image: how many shots are lost to it, and whether the numbers' standard deviations hold.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 
 #include "common/messages/lcm_conversions.hpp"
+#include "common/reduction/reduce.hpp"
+#include "common/units/angles.hpp"
 #include "host/assembly/assemble.hpp"
 #include "host/assembly/flash_times.hpp"
 #include "host/photographs/measure_photograph.hpp"
@@ -63,10 +66,12 @@ reduction::Frame measured_frame(const KnownPhotograph& known, sim::Draws& draws)
 }
 
 struct Done {
+  std::string scene;
   int shot = 0;
   reduction::Readout readout;
   reduction::Quantities truth;
   std::optional<std::string> rejected;
+  std::string why;  ///< of a flagged shot: what was left out of its fit
 };
 
 /// Error over the stated sd, the ball's tolerance included. Returns nullopt if either is missing.
@@ -90,6 +95,49 @@ std::string wrong_in_silence(const Done& done) {
                            *done.truth[q], *error);
   }
   return wrong;
+}
+
+std::string off(const char* what, double error, std::optional<double> sd) {
+  return fmt::format(" {} {:+.3g}{}", what, error, sd ? fmt::format(" ({:+.1f} sd)", error / *sd) : "");
+}
+
+std::string errors_of(const TrueImage& truth, const reduction::BallImage& image) {
+  const auto& c = image.centre_cov_px2;
+  const auto sd = [&](std::size_t k) { return c ? std::optional(std::sqrt((*c)[k])) : std::nullopt; };
+  std::string text = off("x", image.centre_px.x - truth.centre_px.x, sd(0)) +
+                     off("y", image.centre_px.y - truth.centre_px.y, sd(3)) +
+                     off("diameter", image.diameter_px - truth.diameter_px, image.diameter_sd_px);
+  if (truth.equator_rad && image.equator_rad)
+    text += off("equator", wrap_half_turn(*image.equator_rad - *truth.equator_rad), image.equator_sd_rad);
+  return text;
+}
+
+/// What of an image was left out of the fit; empty: nothing that was measured.
+std::string left_out(const reduction::BallImage& image, const reduction::ImageFit& fit) {
+  if (!fit.leg || *fit.leg == reduction::Leg::contact || image.other_leg) return {};
+  std::string text = fit.centre_used ? "" : " centre";
+  if (fit.centre_used && !fit.diameter_used) text += " diameter";
+  if (image.equator_rad && !fit.equator_used) text += " equator";
+  return text;
+}
+
+std::string what_was_left_out(const KnownPhotograph& known, const reduction::Frame& frame) {
+  const auto fits = reduction::image_fits(frame);
+  if (!fits) return {};
+  const auto pairs = pairs_of(known.truth, frame.images);
+  std::string text;
+  for (std::size_t i = 0; i < frame.images.size(); ++i) {
+    const reduction::BallImage& image = frame.images[i];
+    const std::string what = left_out(image, (*fits)[i]);
+    if (what.empty()) continue;
+    text += fmt::format("\n        left out{} of image {} at {:.0f}, {:.0f}, probability {:.4f}:", what, i + 1,
+                        image.centre_px.x, image.centre_px.y, image.probability.value_or(1.0));
+    const auto pair = std::ranges::find(pairs, i, &Pair::image);
+    text += pair == pairs.end() ? " no image of the ball"
+                                : errors_of(known.truth[pair->truth], image) +
+                                      (known.truth[pair->truth].whole ? "" : ", cut off");
+  }
+  return text;
 }
 
 Result<reduction::Frame> digitized_frame(const Options& options, const KnownPhotograph& known,
@@ -124,6 +172,7 @@ Result<Done> run_shot(const Options& options, Take take) {
                       to_ns(from_ns(0) + options.train.back() / 2 - from_seconds(take.scene.machine.lag_s));
   host::AssemblySettings assembly = host::assembly_settings(rig);
   assembly.machine_lag_s = take.scene.machine.lag_s;
+  assembly.budgets = true;
   if (options.flash_time_sd_us) assembly.analysis.flash_time_sd_s = 1e-6 * *options.flash_time_sd_us;
   if (options.machine_lag_sd_ms) assembly.analysis.machine_lag_sd_s = 1e-3 * *options.machine_lag_sd_ms;
   auto frame =
@@ -133,11 +182,9 @@ Result<Done> run_shot(const Options& options, Take take) {
     frame->px_per_m = rig.camera.px_per_m;
     frame->px_per_m_sd = rig.camera.px_per_m_sd;
   }
-  Done done{take.shot,
-            host::shot_readout(shot, messages::frame_to_lcm(*frame), assembly).readout,
-            known->shot.truth,
-            {}};
-  done.rejected = host::rejection_reason(done.readout);
+  const host::ShotReadout read = host::shot_readout(shot, messages::frame_to_lcm(*frame), assembly);
+  Done done{take.scene.name, take.shot, read.readout, known->shot.truth, host::rejection_reason(read.readout), {}};
+  if (read.matched && !read.readout.flags.empty()) done.why = what_was_left_out(*known, *read.matched);
   return done;
 }
 
@@ -154,11 +201,12 @@ class Tally {
       ++count_[i];
       squares_[i] += *error * *error;
     }
+    tell_flags(done);
     if (const std::string wrong = wrong_in_silence(done); !wrong.empty())
-      wrong_.push_back(fmt::format("shot {}:{}", done.shot, wrong));
+      wrong_.push_back(fmt::format("{} shot {}:{}", done.scene, done.shot, wrong));
   }
 
-  void print(const std::string& name) const {
+  void print(const std::string& name, bool each_shot = true) const {
     double sum = 0.0, count = 0.0;
     std::string each;
     for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
@@ -173,17 +221,32 @@ class Tally {
       if (flagged_[f] > 0) fmt::print("    {} {}\n", reduction::kFlagNames[f], flagged_[f]);
     if (!wrong_.empty())
       fmt::print("    {} with numbers beyond {:g} sd and no flag\n", wrong_.size(), kWild_sd);
-    for (const std::string& one : wrong_) fmt::print("      {}\n", one);
+    for (const auto* told : {&wrong_, &told_})
+      for (std::size_t i = 0; each_shot && i < told->size(); ++i) fmt::print("      {}\n", (*told)[i]);
     std::fflush(stdout);
   }
 
  private:
+  void tell_flags(const Done& done) {
+    std::string flags;
+    for (std::size_t f = 0; f < reduction::kFlagCount; ++f)
+      if (done.readout.flags.has(static_cast<Flag>(f))) flags += fmt::format(" {}", reduction::kFlagNames[f]);
+    if (done.rejected) flags += " rejected: " + *done.rejected;
+    if (flags.empty()) return;
+    std::string ratios;
+    for (std::size_t kind = 0; kind < reduction::kMeasurementKindCount; ++kind)
+      if (const auto& ratio = done.readout.residual_ratios.by_kind[kind])
+        ratios += fmt::format(" {} {:.2f}", reduction::kMeasurementKindNames[kind], *ratio);
+    told_.push_back(
+        fmt::format("{} shot {}:{}; residuals over sds{}{}", done.scene, done.shot, flags, ratios, done.why));
+  }
+
   int shots_ = 0;
   std::array<int, reduction::kFlagCount> flagged_{};
   std::map<std::string, int> rejected_;
   std::array<double, reduction::kQuantityCount> squares_{};
   std::array<int, reduction::kQuantityCount> count_{};
-  std::vector<std::string> wrong_;
+  std::vector<std::string> wrong_, told_;
 };
 
 }  // namespace
@@ -214,7 +277,7 @@ Result<void> study_matches(const Options& options) {
         tally = {};
       });
   if (!done) return done;
-  if (scenes->size() > 1) all.print("all");
+  if (scenes->size() > 1) all.print("all", false);
   return {};
 }
 
