@@ -82,7 +82,8 @@ int run(Request& request) {
 
 void add_studies(CLI::App& command, Request& o) {
   command.add_flag("--robustness", o.robustness,
-                   "How far conditions may go until it breaks, one at a time (--axis, --csv)");
+                   "How far conditions may go until it breaks, one at a time (--axis, --csv), and how true the images' "
+                   "probabilities are");
   command.add_flag("--chain", o.chain,
                    "Readouts held against the truth, and what scale, stamps, centres ... contribute");
   command.add_flag("--latency", o.latency,

@@ -83,6 +83,14 @@ void turn_spin(Take& take, double by_deg) {
   machine.spin_radps *= std::cos(radians(by_deg));
 }
 
+/// Of everything something: 1 as in a tidy lab, 4 as nobody would take photographs.
+void set_trouble(Take& take, double much) {
+  take.trouble = {.round_things = static_cast<int>(4.0 * much), .texture = 0.03 * much, .trail = 0.07 * much};
+  take.scene.photograph.blur_px = 0.7 * much;
+  take.scene.photograph.exposure /= much;
+  set_noise(take, much);
+}
+
 std::vector<Condition> conditions() {
   std::vector<Condition> all;
   add(all, "exposure", {0.0625, 0.125, 0.25, 0.5, 1, 2, 4, 8},
@@ -112,6 +120,11 @@ std::vector<Condition> conditions() {
   add(all, "skimming", {20, 5, 1}, set_skimming);
   add(all, "bounces", {2, 3, 4}, set_bounces);
   add(all, "second_ball_ms", {0, 4.5, 10, 22}, set_second_ball);
+  add(all, "round_things", {3, 10, 30},
+      [](Take& t, double v) { t.trouble.round_things = static_cast<int>(v); });
+  add(all, "texture", {0.03, 0.1, 0.2}, [](Take& t, double v) { t.trouble.texture = v; });
+  add(all, "trail", {0.1, 0.2, 0.3, 0.5}, [](Take& t, double v) { t.trouble.trail = v; });
+  add(all, "trouble", {1, 2, 3, 4}, set_trouble);
   add(all, "ball_at_rest", {-4, -2, 2, 4}, set_ball_at_rest);
   return all;
 }
@@ -166,6 +179,7 @@ struct Measured {
   Score score;
   TimeCount times;
   Crowd crowd;
+  Reliability reliability{};
 };
 
 void tell_crowds(const std::vector<RobustnessPoint>& points, bool timed) {
@@ -204,6 +218,21 @@ Crowd crowd_of(const KnownPhotograph& known, const strobe::digitize::Digitizatio
   return crowd;
 }
 
+/// Of what was stated of each image that the machine found.
+Reliability reliability_of(const KnownPhotograph& known, const reduction::Frame& frame) {
+  std::vector<char> taken(frame.images.size(), 0);
+  for (const Pair& pair : pairs_of(known.truth, frame.images)) taken[pair.image] = 1;
+  Reliability reliability;
+  for (std::size_t i = 0; i < frame.images.size(); ++i) {
+    const auto& image = frame.images[i];
+    if (image.probability)
+      reliability.add(*image.probability, taken[i] != 0                         ? Reliability::Is::ball
+                                          : near_any(image, known.others, 0.25) ? Reliability::Is::other_ball
+                                                                                : Reliability::Is::none);
+  }
+  return reliability;
+}
+
 Result<Measured> measure(const Take& take, strobe::digitize::Effort effort) {
   auto known = known_photograph(take);
   if (!known) return tl::unexpected(known.error());
@@ -216,6 +245,7 @@ Result<Measured> measure(const Take& take, strobe::digitize::Effort effort) {
   Measured measured{score(known->truth, result->frame, reported_places(*result)),
                     count_times(known->truth, known->times_s, result->frame), crowd_of(*known, *result)};
   measured.crowd.ms.push_back(took_ms);
+  measured.reliability = reliability_of(*known, result->frame);
   score_surface(known->surface_px, result->frame, measured.score);
   return measured;
 }
@@ -247,6 +277,7 @@ Result<void> study_robustness(const Options& options) {
   const auto shots = static_cast<std::size_t>(options.shots.value_or(2));
   const std::size_t of_point = scenes->size() * shots;
   std::vector<RobustnessPoint> points;
+  Reliability reliability;
   print_score_head(kShotNameWidth);
   const auto done = try_in_order(
       all->size() * of_point, options.jobs,
@@ -266,11 +297,13 @@ Result<void> study_robustness(const Options& options) {
         points.back().score.add(measured.score);
         points.back().times.add(measured.times);
         points.back().crowd.add(measured.crowd);
+        reliability.add(measured.reliability);
         if ((i + 1) % of_point == 0) print_score(c.axis + " " + c.label, kShotNameWidth, points.back().score);
       });
   if (!done) return done;
   tell(points);
   tell_crowds(points, options.jobs == 1);
+  reliability.print();
   return options.csv.empty() ? Result<void>{} : write_csv(points, options.csv);
 }
 
