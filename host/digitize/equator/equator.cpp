@@ -286,7 +286,8 @@ std::optional<Equator::Tilt> tilt_of(const LineFit& fit, double factor, double a
   return tilt;
 }
 
-Measured<Equator> result(const Disc& disc, const Found& found, const Scatter& scatter) {
+Measured<Equator> result(const Scene& scene, std::size_t k, const Found& found, const Scatter& scatter) {
+  const Disc& disc = scene.discs[k];
   if (!found.accepted) return tl::unexpected<Rejection>(found.why);
   constexpr double kPriorDegrees = 12.0;
   const LineFit& fit = *found.fit;
@@ -296,9 +297,11 @@ Measured<Equator> result(const Disc& disc, const Found& found, const Scatter& sc
   Equator equator;
   // A fiftieth of a pixel at the outline: shading residuals without any noise.
   const double floor_rad = std::max(0.01 * kDegree, 0.02 / disc.radius_image_px);
-  const double factor = variance * scatter.correlation;
+  // Others' light is misfitted below their limbs: of equators all along them errors have twice the variance.
+  const double by_limbs = 1.0 + beside_limbs(fit.line, disc, scene.discs, scene.overlapping[k]);
+  const double factor = by_limbs * variance * scatter.correlation;
   equator.sd_rad =
-      std::hypot(std::sqrt(std::max(factor * fit.variance(0, 0), fit.angle_variance)), floor_rad);
+      std::hypot(std::sqrt(std::max(factor * fit.variance(0, 0), by_limbs * fit.angle_variance)), floor_rad);
   if (!(equator.sd_rad < 3.0 * kDegree))
     return tl::unexpected<Rejection>(
         Rejection{Reason::imprecise, fmt::format("sd of {:.1f} degrees", equator.sd_rad / kDegree)});
@@ -437,7 +440,7 @@ std::vector<Measured<Equator>> measure_equators(const Photograph& photograph, co
     reject_few(found);
   }
   const Scatter scatter = common_scatter(found);
-  for (std::size_t k = 0; k < found.size(); ++k) results.push_back(result(scene.discs[k], found[k], scatter));
+  for (std::size_t k = 0; k < found.size(); ++k) results.push_back(result(scene, k, found[k], scatter));
   assert(results.size() == outlines.size());
   return results;
 }

@@ -348,4 +348,25 @@ std::vector<Shading> fit_shadings(const BinnedImage& image, std::span<const Disc
   return shadings;
 }
 
+double beside_limbs(const EquatorLine& line, const Disc& disc, std::span<const Disc> discs,
+                    std::span<const std::size_t> others) {
+  constexpr double kFallsOff = 0.2, kEnds = 0.95;
+  constexpr int kSteps = 40;
+  const cv::Point2d along(std::cos(line.angle_rad), std::sin(line.angle_rad)), across(-along.y, along.x);
+  int beside = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    const double t = kEnds * (2.0 * (step + 0.5) / kSteps - 1.0);
+    const double bend = std::sin(line.tilt_rad) * std::sqrt(1.0 - t * t);
+    const cv::Point2d at = t * along + (line.offset + bend) * across;
+    const cv::Vec2d off = disc.image_from_unit * cv::Vec2d(at.x, at.y);
+    const cv::Point2d place = disc.centre_image + cv::Point2d(off[0], off[1]);
+    const auto near_limb = [&](std::size_t other) {
+      const double from = cv::norm(discs[other].unit(place.x, place.y)), wide = line.shape.half_width;
+      return from > 1.0 - kFallsOff - wide && from < 1.0 + discs[other].rim + wide;
+    };
+    beside += std::ranges::any_of(others, near_limb) ? 1 : 0;
+  }
+  return static_cast<double>(beside) / kSteps;
+}
+
 }  // namespace strobe::digitize

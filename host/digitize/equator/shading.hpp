@@ -126,6 +126,11 @@ Disc make_disc(const PlaneMap& map, const Outline& outline);
 /// Whether all is finite and the radius is at least a pixel.
 bool is_valid(const Disc& disc);
 
+/// Share of a line's length where other balls' light falls off towards their limbs, a fifth of a radius
+/// inside them, and is the least known. `others`: of `discs`.
+double beside_limbs(const EquatorLine& line, const Disc& disc, std::span<const Disc> discs,
+                    std::span<const std::size_t> others);
+
 // Shading of the balls' images. Exposure adds up: intensity is the background plus the shadings of all balls
 // that overlap there. Each ball's is a low-order function of its disc; all are fitted together. Deterministic
 // for any number of threads; thread-safe; allocates.
