@@ -173,11 +173,13 @@ class Fit {
     fitted.shape = shape_;
     fitted.sigma_px = sigma_;
     const std::vector<double> left = residuals(change_);
+    summarize(fitted);
+    const bool cut_off = fitted.outside_fraction > 0.25;
     const OutlineSd sd = outline_covariance(
-        {offsets_, gradients_, left, sigma_, shape_.radius, samples_->window_px()}, prior(), rounding_sd_);
+        {offsets_, gradients_, left, sigma_, shape_.radius, samples_->window_px(), cut_off}, prior(),
+        rounding_sd_);
     fitted.covariance = sd.covariance;
     fitted.shared_radius_sd_px = sd.shared_radius_px;
-    summarize(fitted);
     assert(is_covariance(fitted.covariance));
     return fitted;
   }

@@ -37,8 +37,13 @@ using Square = OutlineMatrix;
 /// How much larger correlation along the outline makes the variance of what many sectors tell: (1 + r)/(1 -
 /// r) where neighbours' residuals are correlated by r and those farther apart by its powers. The fit absorbs
 /// what changes slowly, so that its own residuals are correlated less (Andrews and Monahan 1992).
+///
+/// Where the photograph's border cuts an outline, so few independent sectors are left that they know their
+/// own scatter badly: the variance of Student's t. The arcs that other images leave are judged among those
+/// images, with odds that were learnt on sds without it.
 double variance_by_correlation(const FittedSectors& sectors) {
   constexpr double kMaxCorrelation = 0.6;  // more is not told by as few sectors as an arc has
+  constexpr double kMinFreedom = 2.67;     // below, t has hardly a variance: twice the sd
   const std::vector<double>& weight = sectors.offsets.weight;
   double squares = 0.0, products = 0.0, count = 0.0, pairs = 0.0;
   for (std::size_t i = 0; i < weight.size(); ++i) {
@@ -50,11 +55,15 @@ double variance_by_correlation(const FittedSectors& sectors) {
     products += std::sqrt(weight[i] * weight[next]) * sectors.residuals[i] * sectors.residuals[next];
     pairs += 1.0;
   }
-  if (!(squares > 0.0) || pairs < 1.0) return 1.0;
-  const double seen = products / pairs * count / squares;
-  const double absorbed = kOutlineParameters / static_cast<double>(weight.size() + kOutlineParameters);
+  if (!(squares > 0.0)) return 1.0;
+  const double seen = pairs > 0.0 ? products / pairs * count / squares : 0.0;
+  const double told_by = sectors.cut_off ? count : static_cast<double>(weight.size());
+  const double absorbed = kOutlineParameters / (told_by + kOutlineParameters);
   const double correlation = std::clamp(seen + absorbed, 0.0, kMaxCorrelation);
-  return (1.0 + correlation) / (1.0 - correlation);
+  const double alike = (1.0 + correlation) / (1.0 - correlation);
+  if (!sectors.cut_off) return alike;
+  const double freedom = std::max(kMinFreedom, count / alike - kOutlineParameters);
+  return alike * freedom / (freedom - 2.0);
 }
 
 /// By how much the outline moves where each sector is off by `off(i)` px.

@@ -22,6 +22,7 @@ struct FittedSectors {
   double sigma_px = 1.0;                     ///< sd of the blur
   double radius_px = 1.0;
   double depth_px = 0.0;  ///< how deep below the outline light was fitted
+  bool cut_off = false;   ///< by the photograph's border, a quarter of the outline or more
 };
 
 struct OutlineSd {
