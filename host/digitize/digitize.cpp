@@ -147,15 +147,14 @@ class Digitizer {
 
   /// Not by what is of another size than balls are, as arcs of a mirror image: one below it hides the line.
   void find_surface(std::span<const Outline> outlines, const SizeModel& size) {
-    // One ball in 400 is farther off, and the others tell the surface as well.
-    constexpr double kOtherSize_sd = 3.0;
     surface_ = settings_.surface;
     if (surface_) return;
     std::vector<Outline> balls;
+    // Of a ball that is doubtful by chance the others tell the surface as well.
     std::ranges::copy_if(outlines, std::back_inserter(balls), [&](const Outline& o) {
       const double expected = size.at(o.centre.x);
       return std::abs(o.diameter - expected) <=
-             kOtherSize_sd * std::hypot(kSdOfDiameter * expected, size.spread);
+             kDoubtful_sd * std::hypot(kSdOfDiameter * expected, size.spread);
     });
     const auto found = find_surface_line(photograph_, map_, balls);
     if (!found) {

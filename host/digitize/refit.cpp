@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "host/digitize/core/statistics.hpp"
 #include "host/digitize/path/leg_line.hpp"
 
 namespace strobe::digitize {
@@ -11,8 +12,6 @@ namespace {
 
 // With fewer outlines their common size is too uncertain to reject one by it.
 constexpr std::size_t kMinForRefit = 4;
-// Beyond what chance and common wear of balls make of one in a few thousand.
-constexpr double kInconsistent_sd = 4.0;
 
 Candidate candidate_at(const PlaneMap& map, cv::Point2d at, double diameter) {
   const cv::Point2d centre = map.to_image(at);
@@ -40,7 +39,7 @@ std::vector<std::size_t> left_out_by_size(std::span<const Unmeasured> unmeasured
 
 bool is_inconsistent(const Outline& o, const SizeModel& size) {
   const double sd = std::hypot(o.diameter_sd(), size.sd, size.spread);
-  return std::abs(o.diameter - size.at(o.centre.x)) > kInconsistent_sd * sd;
+  return std::abs(o.diameter - size.at(o.centre.x)) > kFarthest_sd * sd;
 }
 
 }  // namespace

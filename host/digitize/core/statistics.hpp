@@ -22,6 +22,8 @@ inline constexpr double kBiweightReach_sd = 4.685;
 
 /// What is further off than this is something else: of normal errors one in 16,000 is.
 inline constexpr double kFarthest_sd = 4.0;
+/// What is further off than this may be something else: of normal errors one in 370 is.
+inline constexpr double kDoubtful_sd = 3.0;
 /// How much likelier one explanation must be than the next to be believed: a thousand to one, as a logarithm
 /// of likelihoods.
 inline constexpr double kThousandToOne = 3.0 * std::numbers::ln10;

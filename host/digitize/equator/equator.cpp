@@ -174,7 +174,6 @@ std::optional<Unbiased> without_prior(const LineFit& fit, const cv::Matx33d& wei
 /// of which one end is visible becomes more certain, and so does the tilt of a line that is on no great
 /// circle.
 void fit_with_common_priors(const Scene& scene, const std::vector<Near>& near, std::vector<Found>& found) {
-  constexpr double kTold_sd = 4.0;  // a tilt of so many is none by chance
   std::vector<double> sizes, tilts;
   std::vector<std::optional<MeasuredOffset>> offsets(found.size());
   std::vector<std::optional<Unbiased>> unbiased(found.size());
@@ -207,8 +206,9 @@ void fit_with_common_priors(const Scene& scene, const std::vector<Near>& near, s
     } else if (known) {
       settings.offset_sd = std::min(settings.offset_sd, std::hypot(offset_sd, disc.centre_sd));
     }
-    const bool tilted = unbiased[k] && std::abs(unbiased[k]->line[2]) >
-                                           kTold_sd * std::sqrt(before.scatter * unbiased[k]->variance(2, 2));
+    const bool tilted =
+        unbiased[k] && std::abs(unbiased[k]->line[2]) >
+                           kFarthest_sd * std::sqrt(before.scatter * unbiased[k]->variance(2, 2));
     if (known && !tilted) settings.tilt_sd = std::min(settings.tilt_sd, tilt_sd);
     const auto fit = fit_fine(scene, k, near[k].points, before.line, settings);
     if (fit) found[k].fit = fit;

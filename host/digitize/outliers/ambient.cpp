@@ -108,8 +108,8 @@ class Bands {
 
   /// What the lens spreads most of a limb, also out of focus.
   static double limb_px(const ImageDisc& disc) {
-    constexpr double kLimb_px = 4.0, kLimb_sd = 3.0;
-    return std::max(kLimb_px, kLimb_sd * disc.blur_px);
+    constexpr double kLimb_px = 4.0;
+    return std::max(kLimb_px, kDoubtful_sd * disc.blur_px);
   }
 
   /// The factor by which the flash's profile fits best.

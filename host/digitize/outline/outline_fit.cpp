@@ -112,7 +112,7 @@ namespace {
 using Vector = OutlineVector;
 using Square = OutlineMatrix;
 
-constexpr double kMinSigma_px = 0.35;
+constexpr double kMinSigma_px = 0.289;  // of a pixel's own width: 1 over the root of 12
 constexpr int kMinEdges = 6;
 
 Vector gradient(cv::Point2d out) {
@@ -342,7 +342,6 @@ std::optional<FittedOutline> fit_outline(const Photograph& photograph, const Loc
 
 void apply_oval_prior(FittedOutline& fitted, cv::Vec2d oval, const cv::Matx22d& covariance,
                       const cv::Matx22d& former) {
-  constexpr double kMaxMahalanobis2 = 16.0;
   OutlineShape& shape = fitted.shape;
   // Only the new information: precisions add up, and so do their products with the expected values.
   const cv::Matx22d precision = covariance.inv(cv::DECOMP_CHOLESKY);
@@ -353,7 +352,7 @@ void apply_oval_prior(FittedOutline& fitted, cv::Vec2d oval, const cv::Matx22d& 
   const cv::Vec2d off = expected - cv::Vec2d(shape.oval_cos, shape.oval_sin);
   const Square before = fitted.covariance;
   const cv::Matx22d spread = before.get_minor<2, 2>(3, 3) + variance;
-  if (off.dot(spread.inv() * off) > kMaxMahalanobis2) return;
+  if (off.dot(spread.inv() * off) > kFarthest_sd * kFarthest_sd) return;
   const cv::Matx<double, kOutlineParameters, 2> gain =
       before.get_minor<kOutlineParameters, 2>(0, 3) * spread.inv();
   const cv::Matx<double, kOutlineParameters, 1> change = gain * off;

@@ -90,11 +90,6 @@ constexpr double kLargeBlur = 1.3;
 // leg has three or more, and a percent or two is wanted. Whether it is a ball's is another question
 // (outliers/selection.hpp).
 constexpr double kMaxSdOfDiameter = 0.03;
-// Offsets are sought within two sd of the blur; those of no outline at all lie anywhere there, with an rms of
-// 2/sqrt(3) = 1.15 sd, give or take .1 over 24 sectors.
-constexpr double kMaxRmsOfBlur = 1.0;
-// Where the size is known before.
-constexpr double kPrior_sd = 3.0;
 
 /// A circle in plane px.
 struct PlaneDisc {
@@ -194,8 +189,8 @@ class OutlineFitter {
     double least = settings_.diameter_min_px, most = settings_.diameter_max_px;
     if (settings_.diameter_px && settings_.diameter_sd_px) {
       const double expected = expected_diameter(map_.to_plane(candidate.centre_image));
-      least = std::max(least, expected - kPrior_sd * *settings_.diameter_sd_px);
-      most = std::min(most, expected + kPrior_sd * *settings_.diameter_sd_px);
+      least = std::max(least, expected - kDoubtful_sd * *settings_.diameter_sd_px);
+      most = std::min(most, expected + kDoubtful_sd * *settings_.diameter_sd_px);
     }
     search.radius_min_px = 0.48 * least * work.frame->scale();
     search.radius_max_px = 0.52 * most * work.frame->scale();
@@ -307,7 +302,8 @@ class OutlineFitter {
     return OvalSample{work.disc->centre, own * both * cv::Vec2d(shape.oval_cos, shape.oval_sin) * unit, own};
   }
 
-  /// An outline is not told by others what it told them.
+  /// The oval model without this outline's own sample. One that is fitted again with the model of a fit
+  /// before keeps its part of it.
   std::optional<OvalModel> others_ovals(const Work& work) const {
     return oval_model_ && work.sample ? oval_model_->without(*work.sample) : oval_model_;
   }
@@ -358,8 +354,10 @@ class OutlineFitter {
       reject(work, Reason::wrong_size,
              fmt::format("diameter {:.1f} px is not between {:.1f} and {:.1f}", diameter,
                          settings_.diameter_min_px, settings_.diameter_max_px));
-    } else if (fitted.rms_px > std::max({1.0, 0.01 * fitted.shape.radius, kMaxRmsOfBlur * fitted.sigma_px}) ||
+    } else if (fitted.rms_px > std::max({1.0, 0.01 * fitted.shape.radius, fitted.sigma_px}) ||
                is_oval(work)) {
+      // Offsets are sought within two sd of the blur; those of no outline at all lie anywhere there, with an
+      // rms of 2/sqrt(3) = 1.15 sd, give or take .1 over 24 sectors.
       reject(work, Reason::not_round,
              fmt::format("edges are {:.2f} px rms from an ellipse that a ball can have", fitted.rms_px));
     } else if (sd > kMaxSdOfDiameter * diameter) {
