@@ -130,9 +130,8 @@ void BallPixels::subtract(const Other& other, int j, int start) {
 
 namespace {
 
-constexpr double kShapeInner = 0.95;  ///< radii of the disc that are used
-constexpr double kWithin = 0.22;      ///< half width of a profile, radii
-constexpr double kMargin = 0.04;      ///< beyond it, for a line that moves while it is fitted
+constexpr double kWithin = 0.22;  ///< half width of a profile, radii
+constexpr double kMargin = 0.04;  ///< beyond it, for a line that moves while it is fitted
 
 double bin_middle(int bin) { return kWithin * (2.0 * (bin + 0.5) / LineProfile::kBins - 1.0); }
 
@@ -171,9 +170,9 @@ std::vector<LinePoint> points_near(BallPixels& pixels, const EquatorLine& line) 
   const BallPixels::Band band{line.angle_rad,
                               within + std::abs(std::sin(line.tilt_rad)) + std::abs(line.offset)};
   const float floor2 = pixels.floor() * pixels.floor();
-  const cv::Range range = pixels.rows(kShapeInner);
+  const cv::Range range = pixels.rows(kInner);
   for (int j = range.start; j < range.end; ++j) {
-    for (const BallPixels::Pixel& pixel : pixels.row(j, kShapeInner, band)) {
+    for (const BallPixels::Pixel& pixel : pixels.row(j, kInner, band)) {
       if (!pixel.usable || pixel.shading <= pixels.floor()) continue;
       if (std::abs(coordinates.across(pixel.u, pixel.v, pixel.z)) > within) continue;
       const cv::Point2f slope = pixels.shading().gradient(pixel.u, pixel.v, pixel.z) * (1.0F / pixel.shading);

@@ -8,7 +8,6 @@
 namespace strobe::digitize {
 namespace {
 
-constexpr double kInner = 0.95;  ///< radii of the disc that are used
 constexpr int kMaxSegments = 24;
 constexpr double kMinSegment_px = 5.0;
 constexpr int kRounds = 3;

@@ -9,7 +9,6 @@
 namespace strobe::digitize {
 namespace {
 
-constexpr double kSearchInner = 0.95;
 constexpr int kMaxCells = 44;        ///< a radius
 constexpr double kSlightTilt = 0.3;  ///< 5 degrees of tilt, and what perspective adds off the axis
 constexpr double kMaxTilt = 1.2;     ///< beyond, hardly half a radius of the line is seen
@@ -123,9 +122,9 @@ void Cells::fill(BallPixels& pixels) {
   const auto share = static_cast<float>(per_radius_ * per_radius_ / (radius * radius));  // of a cell
   const float floor2 = pixels.floor() * pixels.floor();
   int inside = 0, full = 0;
-  const cv::Range range = pixels.rows(kSearchInner);
+  const cv::Range range = pixels.rows(kInner);
   for (int j = range.start; j < range.end; ++j) {
-    for (const BallPixels::Pixel& pixel : pixels.row(j, kSearchInner)) {
+    for (const BallPixels::Pixel& pixel : pixels.row(j, kInner)) {
       ++inside;
       if (pixel.saturated) ++full;
       if (!pixel.usable || pixel.shading <= pixels.floor()) continue;
@@ -136,7 +135,7 @@ void Cells::fill(BallPixels& pixels) {
       weight_[at] += pixel.shading * pixel.shading * scale;
     }
   }
-  const double whole = CV_PI * kSearchInner * kSearchInner * radius * radius;
+  const double whole = CV_PI * kInner * kInner * radius * radius;
   saturated_ = full / std::max(1.0, whole);
   outside_ = std::clamp(1.0 - inside / whole, 0.0, 1.0);
 }
@@ -150,8 +149,7 @@ class Strip {
     const double c = std::cos(angle), s = std::sin(angle), step = 1.0 / cells.per_radius();
     for (int column = 0; column < plan.columns; ++column) {
       const double a = plan.along(column);
-      const int most =
-          std::min(half_, static_cast<int>(std::sqrt(kSearchInner * kSearchInner - a * a) / step));
+      const int most = std::min(half_, static_cast<int>(std::sqrt(kInner * kInner - a * a) / step));
       Mean* at = sums_.data() + static_cast<std::size_t>(column) * rows_;
       Mean so_far;
       for (int k = -half_; k <= half_; ++k) {

@@ -350,12 +350,12 @@ std::vector<Shading> fit_shadings(const BinnedImage& image, std::span<const Disc
 
 double beside_limbs(const EquatorLine& line, const Disc& disc, std::span<const Disc> discs,
                     std::span<const std::size_t> others) {
-  constexpr double kFallsOff = 0.2, kEnds = 0.95;
+  constexpr double kFallsOff = 0.2;
   constexpr int kSteps = 40;
   const cv::Point2d along(std::cos(line.angle_rad), std::sin(line.angle_rad)), across(-along.y, along.x);
   int beside = 0;
   for (int step = 0; step < kSteps; ++step) {
-    const double t = kEnds * (2.0 * (step + 0.5) / kSteps - 1.0);
+    const double t = kInner * (2.0 * (step + 0.5) / kSteps - 1.0);
     const double bend = std::sin(line.tilt_rad) * std::sqrt(1.0 - t * t);
     const cv::Point2d at = t * along + (line.offset + bend) * across;
     const cv::Vec2d off = disc.image_from_unit * cv::Vec2d(at.x, at.y);

@@ -101,6 +101,10 @@ class LineCoordinates {
   double cos_, sin_, cos_tilt_, sin_tilt_, offset_;
 };
 
+/// Radii of a disc that a line is sought in: nearer to the outline the felt's fuzz and the steep shading hide
+/// it.
+inline constexpr double kInner = 0.95;
+
 struct Disc {
   cv::Point2d centre_image;
   cv::Matx22d unit_from_image;
