@@ -35,6 +35,14 @@ Reduced downsample(const cv::Mat& intensity, double radius_px, Effort effort) {
   return reduced;
 }
 
+EdgeDetection detection_for(double radius) {
+  EdgeDetection detection;
+  detection.neighbourhood_px = radius;
+  // A sixteenth of an 8-bit step per px: less is quantization.
+  detection.floor = 1.0 / 16.0 / 255.0;
+  return detection;
+}
+
 /// Circles seen for this much are balls: texture, seams and shadows support half of a circle at most, and
 /// chance another tenth.
 inline constexpr double kCertainCoverage = 0.65;
@@ -42,11 +50,10 @@ inline constexpr double kCertainCoverage = 0.65;
 /// A circle is fitted to the edges near a radius that is sought, and shading inside a ball makes some too:
 /// around the same centre another radius may have more.
 double likeliest_radius(const CircleSupport& support, const SupportedCircle& found) {
-  constexpr double kMinMore = 0.02;  // more than a sector of 72
   double radius = found.circle.radius;
   if (found.coverage < kCertainCoverage) return radius;
   const double least = 0.75 * radius, most = 1.33 * radius;
-  double coverage = found.coverage + kMinMore;
+  double coverage = found.coverage + 1.5 * kSectorOfCircle;  // more than a sector
   for (const double factor : {0.8, 0.9, 1.1, 1.2}) {
     const auto other = support.fit({found.circle.centre, factor * found.circle.radius}, least, most);
     if (other.coverage <= coverage ||
@@ -73,11 +80,7 @@ std::vector<Candidate> find_candidates(const Photograph& photograph, const Searc
                radius_max = range.radius_max_px / reduced.factor;
   const double radius = middle / reduced.factor;
 
-  EdgeDetection detection;
-  detection.neighbourhood_px = radius;
-  // A sixteenth of an 8-bit step per px: less is quantization.
-  detection.floor = 0.0625 / 255.0;
-  const auto edges = find_edge_points(reduced.intensity, detection);
+  const auto edges = find_edge_points(reduced.intensity, detection_for(radius));
   const cv::Size size = reduced.intensity.size();
   CircleSupport support(edges, size);
   const auto circles = find_circles(edges, support, size, {radius_min, radius_max, range.min_coverage});
@@ -108,6 +111,7 @@ namespace {
 // allocates.
 
 constexpr double kMinRadius_px = 10.0;
+// What is larger may be the circle that a lens lights.
 constexpr double kMaxRadiusOfSide = 0.3;
 // Of a downsampled picture: an edge counts for a circle within 1.5 px, which should be a few percent of the
 // radius.
@@ -119,13 +123,6 @@ constexpr double kOverlap = 1.06;
 constexpr double kMinCoverage = 0.5;
 constexpr std::size_t kMaxPeaks = 100;
 constexpr double kMinVotes = 0.5;  // a circle seen for three quarters
-
-EdgeDetection detection_for(double radius) {
-  EdgeDetection detection;
-  detection.neighbourhood_px = radius;
-  detection.floor = 0.0625 / 255.0;  // as of candidates
-  return detection;
-}
 
 /// Searches one downsampling for radii from `radius` to twice that.
 void search_octave(const cv::Mat& intensity, double radius, double largest, int factor,

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <numbers>
+#include <numeric>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 #include <queue>
@@ -45,7 +46,7 @@ int step_towards(float gx, float gy, std::ptrdiff_t stride, float& length) {
   length = 1.0F;
   if (ay < kTangent * ax) return sx;
   if (ax < kTangent * ay) return sy * row;
-  length = 1.41421356F;
+  length = std::numbers::sqrt2_v<float>;
   return sy * row + sx;
 }
 
@@ -84,7 +85,6 @@ namespace {
 constexpr int kCell = 8;
 /// Least cosine between an edge point's normal and the radius.
 constexpr double kAligned = 0.94;  // cos 20 degrees
-constexpr std::size_t kSectors = 72;
 
 int cell_of(float at, int cells) { return std::clamp(static_cast<int>(at) / kCell, 0, cells - 1); }
 
@@ -182,8 +182,12 @@ void CircleSupport::visit_ring(const Circle& circle, double band, Visit visit) c
   }
 }
 
+/// To either side of a circle, of the edge points by which it is fitted, step by step [px].
+constexpr std::array kBands{4.0, 3.0, 2.0, 1.5, 1.5};
+/// How far from a circle edge points may change its fit: a step leads no further than its band.
+constexpr double kFitReach = kBands.front() + std::accumulate(kBands.begin(), kBands.end(), 0.0);
+
 SupportedCircle CircleSupport::fit(const Circle& start, double radius_min, double radius_max) const {
-  constexpr std::array kBands{4.0, 3.0, 2.0, 1.5, 1.5};
   const double middle = 0.5 * (radius_min + radius_max), half = 0.5 * (radius_max - radius_min);
   Circle circle = start;
   for (const double band : kBands) {
@@ -275,9 +279,6 @@ struct Scored {
     return peak > other.peak;
   }
 };
-
-/// How far from a circle edge points may change its fit [px].
-constexpr double kFitReach = 16.0;
 
 /// Greedy: the circle with the largest coverage claims its edge points, then the next by what is left.
 std::vector<SupportedCircle> best_first(CircleSupport& edges, const std::vector<Peak>& peaks,

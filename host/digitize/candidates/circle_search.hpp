@@ -37,6 +37,9 @@ struct Circle {
   double radius = 0.0;
 };
 
+inline constexpr std::size_t kSectors = 72;  ///< of a circle, by which edge points are counted
+inline constexpr double kSectorOfCircle = 1.0 / kSectors;
+
 struct SupportedCircle {
   Circle circle;
   double coverage = 0.0;  ///< fraction of the circle with edge points, isolated ones not counted
@@ -71,7 +74,7 @@ class CircleSupport {
 struct CircleSearch {
   double radius_min = 0.0;
   double radius_max = 0.0;
-  double min_coverage = 0.2;    ///< smallest visible fraction of an outline
+  double min_coverage = 0.0;    ///< smallest visible fraction of an outline
   std::size_t max_peaks = 250;  ///< of the votes, highest first, at which a circle is fitted
 };
 
