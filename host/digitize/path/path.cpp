@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "common/flight/gravity.hpp"
+#include "host/digitize/core/ball.hpp"
 #include "host/digitize/core/statistics.hpp"
 #include "host/digitize/path/flight_legs.hpp"
 #include "host/digitize/path/leg_line.hpp"
@@ -58,10 +59,6 @@ bool touches(double height_px, double sd_px, const PathContext& context) {
 namespace {
 
 constexpr std::size_t kMaxLegLines = 80;
-// An image more or less near the surface is worth less to a leg than one in contact does harm.
-constexpr double kDoubt_sd = 3.0;
-// The fastest shots compress a ball by 0.7 of its radius.
-constexpr double kMaxCompressionOfRadius = 0.85;
 
 class Finder {
  public:
@@ -279,10 +276,11 @@ class Finder {
     if (images.size() >= 2) take_drop_images(points_, std::move(images), context_, path_);
   }
 
-  /// Of straight legs the images at the surface that may be pressed, by as much as its height is not known.
+  /// Of straight legs the images at the surface that may be pressed, by as much as its height is not known:
+  /// an image more or less near the surface is worth less to a leg than one in contact does harm.
   void release_doubtful() {
     if (!context_.surface_known || path_.curved || path_.straight) return;
-    const double flies = 0.5 * d_ * (1.0 - kFliesOfRadius) + kDoubt_sd * context_.surface_sd_px;
+    const double flies = 0.5 * d_ * (1.0 - kFliesOfRadius) + kDoubtful_sd * context_.surface_sd_px;
     for (std::size_t k = 0; k < path_.legs.size(); ++k) {
       std::vector<int>& leg = path_.legs[k];
       const auto lowest = [&] { return k == 0 ? std::prev(leg.end()) : leg.begin(); };

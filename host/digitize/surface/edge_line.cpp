@@ -157,7 +157,6 @@ namespace {
 constexpr int kHalfReach = kProfileHalfReach_px;  // to either side of the Hough line
 constexpr int kHalfStep = 2;
 constexpr int kBlocks = 12;  // of profiles with correlated errors
-constexpr double kInlier_px = 1.5;
 
 struct EdgeCrossing {
   cv::Point2d plane;
@@ -255,7 +254,7 @@ void set_sd(const std::vector<EdgeCrossing>& inliers, const Line& line, EdgeLine
     count[block] += 1.0;
   }
   const auto n = static_cast<double>(inliers.size());
-  edge.rms_px = std::sqrt(squares / std::max(1.0, n - 2.0));
+  const double rms = std::sqrt(squares / std::max(1.0, n - 2.0));
   double blocks = 0.0, between = 0.0;
   for (std::size_t b = 0; b < kBlocks; ++b) {
     if (count[b] < 1.0) continue;
@@ -263,7 +262,7 @@ void set_sd(const std::vector<EdgeCrossing>& inliers, const Line& line, EdgeLine
     between += sum[b] * sum[b];  // weighted by count²: of the grand mean
   }
   const double grand = std::sqrt(between * std::max(1.0, blocks / std::max(1.0, blocks - 2.0))) / n;
-  edge.sd_px = std::hypot(std::max(grand, edge.rms_px / std::sqrt(n)), kEdgeFloor_px);
+  edge.sd_px = std::hypot(std::max(grand, rms / std::sqrt(n)), kEdgeFloor_px);
   edge.slope_sd = edge.sd_px * std::sqrt(n / std::max(1.0, sxx));
 }
 

@@ -46,6 +46,8 @@ std::vector<HoughLine> hough_lines(const Photograph& photograph, const Occlusion
 inline constexpr int kProfileHalfReach_px = 10;
 inline constexpr int kProfileColumns = 5;  ///< averaged for one profile; odd
 inline constexpr int kMaxProfiles = 240;   ///< along an edge
+/// Nearer to a line a crossing belongs to it.
+inline constexpr double kInlier_px = 1.5;
 /// Of the level of saturation: noise and compression leave saturated pixels a little below it.
 inline constexpr double kSaturatedShare = 0.985;
 
@@ -74,7 +76,6 @@ struct EdgeLine {
   double half_span = 0.0;         ///< of x, px
   double visible_fraction = 0.0;  ///< inliers among the profiles that are not occluded
   double visible_px = 0.0;        ///< length
-  double rms_px = 0.0;            ///< of the inliers' residuals
   double sd_px = 0.0;             ///< of the height at the middle
   double slope_sd = 0.0;
   double contrast = 0.0;  ///< median rise of intensity

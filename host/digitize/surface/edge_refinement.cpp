@@ -155,7 +155,8 @@ constexpr std::size_t kMinProfiles = 12;
 constexpr std::size_t kLongBlocks = 8, kShortBlocks = 24;
 constexpr std::size_t kProfilesForBlur = 24;
 // Of any lens that is in focus, up to where the samples' reach holds 3 sd.
-constexpr double kMinBlur_px = 0.2, kMaxBlur_px = 3.0, kBlurRatio = 1.5;
+constexpr double kMinBlur_px = 0.2, kBlurRatio = 1.5;
+constexpr double kMaxBlur_px = kProfileHalfReach_px / 3.0;
 constexpr int kRounds = 6;
 constexpr double kCutOff_px = 1.0;
 

@@ -8,6 +8,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "host/digitize/core/ball.hpp"
 #include "host/digitize/core/statistics.hpp"
 #include "host/digitize/surface/edge_line.hpp"
 #include "host/digitize/surface/edge_refinement.hpp"
@@ -17,10 +18,8 @@ namespace {
 
 constexpr std::size_t kMaxLines = 12;
 constexpr double kMinVisibleShare = 0.35;  // of what is not hidden
-constexpr double kMaxRms_px = 0.8;
-constexpr double kMaxSd_px = 3.0;
 // Nearer than this, two edges are the two sides of a rounded one.
-constexpr double kMinApart_px = 3.0;
+constexpr double kMinApart_px = 2.0 * kInlier_px;
 // How much the distance of a plate's two edges changes towards its ends, by perspective; how much of the
 // longer one's length the shorter has.
 constexpr double kParallel = 0.25;
@@ -28,14 +27,11 @@ constexpr double kAsLong = 0.6;
 // Of the clearer edge's contrast: fainter ones are the background's.
 constexpr double kAsClear = 0.05;
 constexpr double kMaxReach = 3.0;  ///< of the half length seen
-// The fastest shots press a ball together until its centre is .3 of its radius above the surface.
-constexpr double kLowestOfRadius = 0.15;
 // A plate in the middle of which balls are to bounce is no less deep than they are wide on either side.
 constexpr double kDepthOfDiameter = 2.0;
 constexpr double kOccludedRadii = 1.08;
-// What of an outline is seen so far below a line, in radii and px, is not just pressed flat there.
+// What of an outline is seen so far below a line, and beyond its blur, is not just pressed flat there.
 constexpr double kBelowOfRadius = 0.06;
-constexpr double kBelow_px = 4.0;
 constexpr double kMaxCirclesBelow = 0.5;
 // Of outlines that no surface at the line allows, one in so many may be false, e.g. a clamp's. One of fewer
 // is too much of what tells where the surface can be.
@@ -61,7 +57,7 @@ OcclusionMask occlusion_of(const Photograph& photograph, const PlaneMap& map,
 
 /// Whether the ball would be compressed by no more than a ball can be.
 bool is_over(const Outline& o, const EdgeLine& edge) {
-  return o.centre.y - edge.at(o.centre.x) > kLowestOfRadius * 0.5 * o.diameter;
+  return o.centre.y - edge.at(o.centre.x) > (1.0 - kMaxCompressionOfRadius) * 0.5 * o.diameter;
 }
 
 /// The outlines that the surface allows, if the others are few enough to be false; else all.
@@ -80,7 +76,7 @@ double circles_below(const EdgeLine& edge, std::span<const Outline> outlines) {
   double circles = 0.0;
   for (const Outline& o : outlines) {
     const double radius = 0.5 * o.diameter;
-    const double allowed = std::max(kBelowOfRadius * radius, kBelow_px);
+    const double allowed = std::max(kBelowOfRadius * radius, kDoubtful_sd * o.blur_px);
     for (const Arc& arc : o.visible_arcs) {
       const int steps = std::max(1, cvRound(arc.extent_rad / (2.0 * std::numbers::pi) * kSteps));
       for (int k = 0; k < steps; ++k) {
@@ -255,7 +251,7 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
   for (const auto& edge : measured) {
     if (!edge) continue;
     if (possible(*edge, outlines)) longest = std::max(longest, edge->visible_fraction);
-    if (edge->visible_fraction < kMinVisibleShare || edge->rms_px > kMaxRms_px) continue;
+    if (edge->visible_fraction < kMinVisibleShare) continue;
     edges.push_back(*edge);
   }
   const EdgeLine* best = nullptr;
@@ -268,10 +264,6 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
         Reason::no_plate,
         fmt::format("no straight edge with light below it: the best is seen over {:.0f} % of the width",
                     100.0 * longest)});
-  }
-  if (best->sd_px > kMaxSd_px) {
-    return tl::unexpected(Rejection{Reason::imprecise,
-                                    fmt::format("the surface line is known to {:.1f} px only", best->sd_px)});
   }
   EdgeLine refined = refine_edge_line(photograph, map, occluded, *best);
   refined.sd_px = std::hypot(refined.sd_px, lowest_sd_px(outlines));
@@ -290,8 +282,6 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
 namespace {
 
 constexpr double kMaxTopSdOfDiameter = 0.05;
-// Where the surface cuts the outline at a grazing angle the width is meaningless.
-constexpr double kMaxWidthSdOfDiameter = 0.15;
 
 }  // namespace
 
@@ -315,7 +305,8 @@ Measured<ContactImage> measure_contact(const Outline& outline, const SurfaceLine
   const cv::Vec3d width_by(-2.0 * height / half * up.x, -2.0 * height / half * up.y, radius / half);
   const double surface_part = 2.0 * height / half * height_sd_px(surface);
   const double sd = std::sqrt(width_by.dot(outline.covariance * width_by) + surface_part * surface_part);
-  if (sd > kMaxWidthSdOfDiameter * outline.diameter) return contact;
+  // Where the surface cuts the outline at a grazing angle.
+  if (!(kDoubtful_sd * sd <= 2.0 * half)) return contact;
   contact.width_px = 2.0 * half;
   contact.width_sd_px = sd;
   return contact;
