@@ -76,14 +76,14 @@ double share_of(const Limb& disc, const Limb& ball) {
   return shares.empty() ? 1.0 : median(std::move(shares));
 }
 
-std::vector<Ghost> ghosts_by(std::span<const LitDisc> discs, const Level& level) {
+std::vector<Lit> compared_by(std::span<const LitDisc> discs, const Level& level) {
   std::vector<double> rise;
   for (const LitDisc& disc : discs) rise.push_back(typical_rise(disc.limb));
   std::vector<std::size_t> brightest_first(discs.size());
   std::iota(brightest_first.begin(), brightest_first.end(), std::size_t{0});
   std::ranges::stable_sort(brightest_first, std::ranges::greater{}, [&](std::size_t i) { return rise[i]; });
   std::vector<std::size_t> balls;
-  std::vector<Ghost> ghosts;
+  std::vector<Lit> lit(discs.size());
   for (const std::size_t i : brightest_first) {
     const LitDisc& disc = discs[i];
     std::optional<std::size_t> nearest;
@@ -92,24 +92,27 @@ std::vector<Ghost> ghosts_by(std::span<const LitDisc> discs, const Level& level)
       const double apart = cv::norm(discs[ball].centre - disc.centre);
       if (apart < least) least = apart, nearest = ball;
     }
-    const double share = nearest ? share_of(disc.limb, discs[*nearest].limb) : 1.0;
-    if (nearest &&
-        log_odds_of_share(share, least / disc.diameter, level) + std::clamp(disc.log_odds, 0.0, kMaxOdds) <
-            0.0)
-      ghosts.push_back({static_cast<int>(i), share});
-    else if (disc.log_odds >= kCertainOdds)
-      balls.push_back(i);
+    if (nearest) {
+      const double share = share_of(disc.limb, discs[*nearest].limb);
+      lit[i] = {share, log_odds_of_share(share, least / disc.diameter, level) +
+                           std::clamp(disc.log_odds, 0.0, kMaxOdds)};
+    }
+    if (!lit[i].ghost() && disc.log_odds >= kCertainOdds) balls.push_back(i);
   }
-  return ghosts;
+  return lit;
 }
 
 }  // namespace
 
-std::vector<Ghost> find_ghosts(std::span<const LitDisc> discs, std::optional<double> ambient_share) {
+std::vector<Lit> compare_light(std::span<const LitDisc> discs, std::optional<double> ambient_share) {
   Level level{.measured = ambient_share};
-  for (const Ghost& ghost : ghosts_by(discs, level))
-    level.at_least_log = std::max(level.at_least_log, std::min(0.0, log_of(ghost.share)));
-  return ghosts_by(discs, level);
+  for (const Lit& disc : compared_by(discs, level))
+    if (disc.ghost()) level.at_least_log = std::max(level.at_least_log, std::min(0.0, log_of(disc.share)));
+  return compared_by(discs, level);
+}
+
+double probability_beside_ghosts(double probability, const Lit& lit) {
+  return probability / (1.0 + probability * std::exp(-lit.log_odds));
 }
 
 }  // namespace strobe::digitize

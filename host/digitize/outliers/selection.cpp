@@ -220,6 +220,7 @@ class PathSelection {
         context_(path_context(outlines_, surface, facts)),
         path_(find_path(points_, context_)),
         keep_(outlines_.size(), true),
+        lit_(outlines_.size()),
         rejected_(rejected) {}
 
   void reject_off_path() {
@@ -259,13 +260,17 @@ class PathSelection {
       discs.push_back({outlines_[i].centre, outlines_[i].diameter, limbs_[i].limb, by_limb[k] + prior});
     }
     // However bright the room may be.
-    if (find_ghosts(discs, 1.0).empty()) return;
-    const auto level = ambient(photograph, map, members, find_ghosts(discs, std::nullopt));
-    for (const Ghost& ghost : find_ghosts(discs, level)) {
-      const int index = members[static_cast<std::size_t>(ghost.index)];
+    if (std::ranges::none_of(compare_light(discs, 1.0), &Lit::ghost)) return;
+    for (std::size_t k = 0; const Lit& lit : compare_light(discs, std::nullopt))
+      lit_[static_cast<std::size_t>(members[k++])] = lit;
+    const auto level = ambient(photograph, map);
+    for (std::size_t k = 0; const Lit& lit : compare_light(discs, level)) {
+      const int index = members[k++];
+      lit_[static_cast<std::size_t>(index)] = lit;
+      if (!lit.ghost()) continue;
       drop(index, Reason::ghost,
            fmt::format("its limb rises by {:.0f} % of the next ball's: ambient light between two flashes",
-                       100.0 * ghost.share));
+                       100.0 * lit.share));
       for (auto& leg : path_.legs) std::erase(leg, index);
       std::erase(path_.contact, index);
     }
@@ -296,23 +301,22 @@ class PathSelection {
   std::vector<Outline> selected() const {
     std::vector<Outline> result;
     for (std::size_t i = 0; i < outlines_.size(); ++i)
-      if (keep_[i]) result.push_back(outlines_[i]);
+      if (keep_[i]) {
+        Outline& o = result.emplace_back(outlines_[i]);
+        o.probability = probability_beside_ghosts(o.probability, lit_[i]);
+      }
     return result;
   }
 
  private:
   /// As the band that it draws between the images along a leg.
-  std::optional<double> ambient(const Photograph& photograph, const PlaneMap& map,
-                                const std::vector<int>& members, const std::vector<Ghost>& ghosts) const {
-    std::vector<bool> is_ghost(outlines_.size(), false);
-    for (const Ghost& ghost : ghosts)
-      is_ghost[static_cast<std::size_t>(members[static_cast<std::size_t>(ghost.index)])] = true;
+  std::optional<double> ambient(const Photograph& photograph, const PlaneMap& map) const {
     std::vector<ImageDisc> discs;
     std::vector<Flight> flights;
     const auto add = [&](const std::vector<int>& images, bool in_flight) {
       const std::size_t first = discs.size();
       for (const int i : images) {
-        if (is_ghost[static_cast<std::size_t>(i)]) continue;
+        if (lit_[static_cast<std::size_t>(i)].ghost()) continue;
         discs.push_back(image_disc(map, outlines_[static_cast<std::size_t>(i)]));
         if (in_flight && discs.size() > first + 1) flights.push_back({discs.size() - 2, discs.size() - 1});
       }
@@ -335,6 +339,7 @@ class PathSelection {
   PathContext context_;
   Path path_;
   std::vector<bool> keep_;
+  std::vector<Lit> lit_;
   std::vector<Unmeasured>& rejected_;
 };
 

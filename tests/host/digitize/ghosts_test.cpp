@@ -29,7 +29,9 @@ LitDisc disc_at(double x, double light, double log_odds = 5.0) {
 std::vector<int> ghosts_of(const std::vector<LitDisc>& discs,
                            std::optional<double> ambient_share = std::nullopt) {
   std::vector<int> indices;
-  for (const Ghost& ghost : find_ghosts(discs, ambient_share)) indices.push_back(ghost.index);
+  const auto lit = compare_light(discs, ambient_share);
+  for (std::size_t i = 0; i < lit.size(); ++i)
+    if (lit[i].ghost()) indices.push_back(static_cast<int>(i));
   return indices;
 }
 
@@ -40,10 +42,8 @@ TEST_GROUP(Ghosts){};
 TEST(Ghosts, AreTheDimDiscsOfATrailBetweenBalls) {
   const std::vector<LitDisc> discs{disc_at(0, 0.3), disc_at(30, 0.1), disc_at(60, 0.09), disc_at(90, 0.11),
                                    disc_at(200, 0.32)};
-  const auto ghosts = find_ghosts(discs, std::nullopt);
-  LONGS_EQUAL(3, ghosts.size());
-  LONGS_EQUAL(3, ghosts[0].index);  // the brightest first
-  DOUBLES_EQUAL(0.11 / 0.3, ghosts[0].share, 1e-6);
+  CHECK_TRUE(ghosts_of(discs) == (std::vector<int>{1, 2, 3}));
+  DOUBLES_EQUAL(0.11 / 0.3, compare_light(discs, std::nullopt)[3].share, 1e-6);
 }
 
 TEST(Ghosts, AreNotTheBallsThatLeaveTheLight) {
@@ -103,6 +103,27 @@ TEST(Ghosts, SayHowBrightTheOthersMayBe) {
   CHECK_TRUE(ghosts_of({trail[0], trail[1], trail[3]}).empty());
   // Faint ones say nothing of brighter ones: they may be half hidden.
   CHECK_TRUE(ghosts_of({trail[0], trail[1], disc_at(350, 0.015), trail[3]}) == std::vector<int>{2});
+}
+
+TEST(Ghosts, LeaveDoubtOfDiscsThatAreHalfAsBright) {
+  const auto lit = compare_light({{disc_at(0, 0.3), disc_at(100, 0.15), disc_at(200, 0.3)}}, std::nullopt);
+  CHECK_FALSE(lit[1].ghost());
+  // However sure it is that this is no other thing.
+  const double by_odds = 1.0 / (1.0 + std::exp(-lit[1].log_odds));
+  DOUBLES_EQUAL(by_odds, probability_beside_ghosts(1.0, lit[1]), 1e-12);
+  CHECK_TRUE(by_odds > 0.5 && by_odds < 0.95);
+  // The other things' odds, too, as one in four: 1 / p - 1 = 1 / 3 + exp(-log_odds).
+  DOUBLES_EQUAL(1.0 / (4.0 / 3.0 + std::exp(-lit[1].log_odds)), probability_beside_ghosts(0.75, lit[1]), 1e-12);
+  // Nothing was brighter than the first. Flashes, 30 % from each other at most, leave a ball as bright as the
+  // others three sd of ambient light's and more from it: one in a thousand.
+  CHECK_EQUAL(0.9999, probability_beside_ghosts(0.9999, lit[0]));
+  DOUBLES_EQUAL(0.9999, probability_beside_ghosts(0.9999, lit[2]), 1e-3);
+}
+
+TEST(Ghosts, LeaveAsMuchDoubtOfOthersThatAreAsBright) {
+  const auto lit = compare_light({{disc_at(0, 0.3), disc_at(100, 0.15), disc_at(500, 0.3), disc_at(600, 0.15)}},
+                                 std::nullopt);
+  DOUBLES_EQUAL(lit[1].log_odds, lit[3].log_odds, 1e-6);
 }
 
 TEST_GROUP(AmbientLight){};
