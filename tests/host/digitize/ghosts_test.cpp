@@ -113,7 +113,8 @@ TEST(Ghosts, LeaveDoubtOfDiscsThatAreHalfAsBright) {
   DOUBLES_EQUAL(by_odds, probability_beside_ghosts(1.0, lit[1]), 1e-12);
   CHECK_TRUE(by_odds > 0.5 && by_odds < 0.95);
   // The other things' odds, too, as one in four: 1 / p - 1 = 1 / 3 + exp(-log_odds).
-  DOUBLES_EQUAL(1.0 / (4.0 / 3.0 + std::exp(-lit[1].log_odds)), probability_beside_ghosts(0.75, lit[1]), 1e-12);
+  const double by_both = 1.0 / (4.0 / 3.0 + std::exp(-lit[1].log_odds));
+  DOUBLES_EQUAL(by_both, probability_beside_ghosts(0.75, lit[1]), 1e-12);
   // Nothing was brighter than the first. Flashes, 30 % from each other at most, leave a ball as bright as the
   // others three sd of ambient light's and more from it: one in a thousand.
   CHECK_EQUAL(0.9999, probability_beside_ghosts(0.9999, lit[0]));
@@ -121,8 +122,9 @@ TEST(Ghosts, LeaveDoubtOfDiscsThatAreHalfAsBright) {
 }
 
 TEST(Ghosts, LeaveAsMuchDoubtOfOthersThatAreAsBright) {
-  const auto lit = compare_light({{disc_at(0, 0.3), disc_at(100, 0.15), disc_at(500, 0.3), disc_at(600, 0.15)}},
-                                 std::nullopt);
+  const std::vector<LitDisc> discs{disc_at(0, 0.3), disc_at(100, 0.15), disc_at(500, 0.3),
+                                   disc_at(600, 0.15)};
+  const auto lit = compare_light(discs, std::nullopt);
   DOUBLES_EQUAL(lit[1].log_odds, lit[3].log_odds, 1e-6);
 }
 
