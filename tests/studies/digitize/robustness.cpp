@@ -11,6 +11,7 @@
 #include "tests/studies/digitize/crowded.hpp"
 #include "tests/studies/digitize/in_order.hpp"
 #include "tests/studies/digitize/photographs.hpp"
+#include "tests/studies/digitize/reliability.hpp"
 #include "tests/studies/digitize/score.hpp"
 #include "tests/studies/digitize/studies.hpp"
 #include "tests/studies/digitize/tables.hpp"
@@ -84,8 +85,8 @@ void turn_spin(Take& take, double by_deg) {
 }
 
 /// Of everything something: 1 as in a tidy lab, 4 as nobody would take photographs.
-void set_trouble(Take& take, double much) {
-  take.trouble = {.round_things = static_cast<int>(4.0 * much), .texture = 0.03 * much, .trail = 0.07 * much};
+void set_distractors(Take& take, double much) {
+  take.distractors = {.round_things = static_cast<int>(4.0 * much), .texture = 0.03 * much, .trail = 0.07 * much};
   take.scene.photograph.blur_px = 0.7 * much;
   take.scene.photograph.exposure /= much;
   set_noise(take, much);
@@ -121,10 +122,10 @@ std::vector<Condition> conditions() {
   add(all, "bounces", {2, 3, 4}, set_bounces);
   add(all, "second_ball_ms", {0, 4.5, 10, 22}, set_second_ball);
   add(all, "round_things", {3, 10, 30},
-      [](Take& t, double v) { t.trouble.round_things = static_cast<int>(v); });
-  add(all, "texture", {0.03, 0.1, 0.2}, [](Take& t, double v) { t.trouble.texture = v; });
-  add(all, "trail", {0.1, 0.2, 0.3, 0.5}, [](Take& t, double v) { t.trouble.trail = v; });
-  add(all, "trouble", {1, 2, 3, 4}, set_trouble);
+      [](Take& t, double v) { t.distractors.round_things = static_cast<int>(v); });
+  add(all, "texture", {0.03, 0.1, 0.2}, [](Take& t, double v) { t.distractors.texture = v; });
+  add(all, "trail", {0.1, 0.2, 0.3, 0.5}, [](Take& t, double v) { t.distractors.trail = v; });
+  add(all, "distractors", {1, 2, 3, 4}, set_distractors);
   add(all, "ball_at_rest", {-4, -2, 2, 4}, set_ball_at_rest);
   return all;
 }

@@ -1,6 +1,4 @@
-#include "tests/studies/digitize/trouble.hpp"
-
-#include <fmt/format.h>
+#include "tests/studies/digitize/distractors.hpp"
 
 #include <algorithm>
 #include <array>
@@ -74,68 +72,29 @@ void add_texture(double sd, double diameter, std::mt19937_64& random, cv::Mat& l
   light += 2.0 * sd;  // seldom darker than without
 }
 
-constexpr std::array<double, 9> kUpTo{0.2, 0.5, 0.8, 0.9, 0.95, 0.99, 0.999, 0.9999, 1.0};
-
 }  // namespace
 
-void add_trouble(const Trouble& trouble, std::uint64_t seed, double ball_light, std::span<const TrueImage> truth,
-                 strobe::digitize::Photograph& photograph) {
-  if (!trouble.any() || truth.empty()) return;
+void add_distractors(const Distractors& distractors, std::uint64_t seed, double ball_light,
+                     std::span<const TrueImage> truth, strobe::digitize::Photograph& photograph) {
+  if (!distractors.any() || truth.empty()) return;
   std::mt19937_64 random(seed);
   const auto in = [&](double least, double most) { return std::uniform_real_distribution(least, most)(random); };
   cv::Mat& light = photograph.intensity;
   const double diameter = median_diameter(truth);
-  if (trouble.texture > 0.0) add_texture(trouble.texture * ball_light, diameter, random, light);
-  for (int i = 0; i < trouble.round_things; ++i) {
+  if (distractors.texture > 0.0) add_texture(distractors.texture * ball_light, diameter, random, light);
+  for (int i = 0; i < distractors.round_things; ++i) {
     const cv::Point2d at(in(0.0, light.cols), in(0.0, light.rows));
     add_round_thing({at, 0.5 * diameter * in(0.85, 1.15), ball_light * in(0.1, 0.9)}, random, light);
   }
-  for (std::size_t i = 0; trouble.trail > 0.0 && i + 1 < truth.size(); ++i) {
+  for (std::size_t i = 0; distractors.trail > 0.0 && i + 1 < truth.size(); ++i) {
     for (const double share : {0.35, 0.7}) {
       const auto &a = truth[i].centre_px, &b = truth[i + 1].centre_px;
       draw({{a.x + share * (b.x - a.x), light.rows - 1.0 - (a.y + share * (b.y - a.y))}, 0.5 * diameter,
-            trouble.trail * ball_light},
+            distractors.trail * ball_light},
            [](double from, double) { return dome(from); }, light);
     }
   }
   light = cv::min(light, photograph.saturation);
-}
-
-void Reliability::add(double probability, Is what) {
-  classes_.resize(kUpTo.size());
-  std::size_t at = 0;
-  while (at + 1 < kUpTo.size() && probability >= kUpTo[at]) ++at;
-  Class& of = classes_[at];
-  ++of.images;
-  of.stated += probability;
-  of.balls += what == Is::ball ? 1 : 0;
-  of.others += what == Is::other_ball ? 1 : 0;
-}
-
-void Reliability::add(const Reliability& other) {
-  classes_.resize(kUpTo.size());
-  for (std::size_t i = 0; i < other.classes_.size(); ++i) {
-    classes_[i].images += other.classes_[i].images;
-    classes_[i].balls += other.classes_[i].balls;
-    classes_[i].others += other.classes_[i].others;
-    classes_[i].stated += other.classes_[i].stated;
-  }
-}
-
-void Reliability::print() const {
-  constexpr double kZ = 1.96;
-  fmt::print("\n{:<18} {:>7} {:>7} {:>11} {:>8} {:>16} {:>8}\n", "stated probability", "images", "balls",
-             "2nd ball's", "share", "95 %", "stated");
-  for (std::size_t i = 0; i < classes_.size(); ++i) {
-    const Class& of = classes_[i];
-    if (of.images == 0) continue;
-    const double n = of.images, share = of.balls / n, wide = 1.0 + kZ * kZ / n;
-    const double middle = (share + 0.5 * kZ * kZ / n) / wide;
-    const double half = kZ * std::sqrt(share * (1.0 - share) / n + 0.25 * kZ * kZ / (n * n)) / wide;
-    fmt::print("{:<18} {:>7} {:>7} {:>11} {:>8.4f} {:>7.4f} - {:.4f} {:>8.4f}\n",
-               fmt::format("{:g} to {:g}", i == 0 ? 0.0 : kUpTo[i - 1], kUpTo[i]), of.images, of.balls, of.others,
-               share, middle - half, std::min(1.0, middle + half), of.stated / n);
-  }
 }
 
 }  // namespace strobe::studies::digitize
