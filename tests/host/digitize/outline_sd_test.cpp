@@ -115,8 +115,9 @@ TEST(OutlineSd, IsTrueOfNoiseThatIsCorrelatedAlongTheOutline) {
   }
 }
 
-// Every ball of another size, look and place, so that what a photograph's outlines share differs, too. Of `count`
-// independent errors the rms over sds is known to 1/sqrt(2·count); the bounds are three of that about one.
+// Every ball of another size, look and place, so that what a photograph's outlines share differs, too. Of
+// `count` independent errors the rms over sds is known to 1/sqrt(2·count); the bounds are three of that about
+// one.
 TEST(OutlineSd, IsTrueOfBallsSoDarkThatRoundingMovesThem) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> unit(0.0, 1.0);

@@ -6,6 +6,10 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <random>
+#include <utility>
+#include <vector>
+
+#include "host/digitize/core/statistics.hpp"
 
 namespace strobe::studies::digitize {
 
@@ -55,15 +59,15 @@ void add_round_thing(const Disc& disc, std::mt19937_64& random, cv::Mat& light) 
 double median_diameter(std::span<const TrueImage> truth) {
   std::vector<double> all;
   for (const TrueImage& image : truth) all.push_back(image.diameter_px);
-  std::ranges::nth_element(all, all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2));
-  return all[all.size() / 2];
+  return strobe::digitize::upper_median(std::move(all));
 }
 
 void add_texture(double sd, double diameter, std::mt19937_64& random, cv::Mat& light) {
   constexpr std::array<double, 4> kScales{0.05, 0.2, 0.7, 2.0};  // of the ball's diameter
   for (const double scale : kScales) {
     const double px = std::max(1.0, scale * diameter);
-    cv::Mat coarse(std::max(4, cvCeil(light.rows / px)), std::max(4, cvCeil(light.cols / px)), CV_32FC1), fine;
+    cv::Mat coarse(std::max(4, cvCeil(light.rows / px)), std::max(4, cvCeil(light.cols / px)), CV_32FC1);
+    cv::Mat fine;
     std::normal_distribution<float> normal(0.0F, static_cast<float>(sd / std::sqrt(kScales.size())));
     for (float& each : cv::Mat_<float>(coarse)) each = normal(random);
     cv::resize(coarse, fine, light.size(), 0, 0, cv::INTER_CUBIC);
@@ -78,7 +82,7 @@ void add_distractors(const Distractors& distractors, std::uint64_t seed, double 
                      std::span<const TrueImage> truth, strobe::digitize::Photograph& photograph) {
   if (!distractors.any() || truth.empty()) return;
   std::mt19937_64 random(seed);
-  const auto in = [&](double least, double most) { return std::uniform_real_distribution(least, most)(random); };
+  const auto in = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
   cv::Mat& light = photograph.intensity;
   const double diameter = median_diameter(truth);
   if (distractors.texture > 0.0) add_texture(distractors.texture * ball_light, diameter, random, light);

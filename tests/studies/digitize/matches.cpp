@@ -130,8 +130,8 @@ std::string what_was_left_out(const KnownPhotograph& known, const reduction::Fra
     const reduction::BallImage& image = frame.images[i];
     const std::string what = left_out(image, (*fits)[i]);
     if (what.empty()) continue;
-    text += fmt::format("\n        left out{} of image {} at {:.0f}, {:.0f}, probability {:.4f}:", what, i + 1,
-                        image.centre_px.x, image.centre_px.y, image.probability.value_or(1.0));
+    text += fmt::format("\n        left out{} of image {} at {:.0f}, {:.0f}, probability {:.4f}:", what,
+                        i + 1, image.centre_px.x, image.centre_px.y, image.probability.value_or(1.0));
     const auto pair = std::ranges::find(pairs, i, &Pair::image);
     text += pair == pairs.end() ? " no image of the ball"
                                 : errors_of(known.truth[pair->truth], image) +
@@ -183,7 +183,8 @@ Result<Done> run_shot(const Options& options, Take take) {
     frame->px_per_m_sd = rig.camera.px_per_m_sd;
   }
   const host::ShotReadout read = host::shot_readout(shot, messages::frame_to_lcm(*frame), assembly);
-  Done done{take.scene.name, take.shot, read.readout, known->shot.truth, host::rejection_reason(read.readout), {}};
+  Done done{take.scene.name, take.shot, read.readout, known->shot.truth, host::rejection_reason(read.readout),
+            {}};
   if (read.matched && !read.readout.flags.empty()) done.why = what_was_left_out(*known, *read.matched);
   return done;
 }

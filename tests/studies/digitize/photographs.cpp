@@ -172,7 +172,7 @@ Result<KnownPhotograph> known_photograph(const Take& take) {
   known.photograph = std::move(*photograph);
   constexpr double kLight = 0.45;  // of the lightest felt in one image, at an exposure of 1
   add_distractors(take.distractors, take.seed * 7919 + static_cast<std::uint64_t>(take.shot),
-              kLight * take.scene.photograph.exposure, known.truth, known.photograph);
+                  kLight * take.scene.photograph.exposure, known.truth, known.photograph);
   known.settings.map = strobe::digitize::PlaneMap::uncalibrated(known.photograph.height());
   return known;
 }

@@ -14,9 +14,9 @@
 #include "sim/photograph/lit_balls.hpp"
 #include "sim/scene/scene.hpp"
 #include "sim/shoot/shoot.hpp"
+#include "tests/studies/digitize/distractors.hpp"
 #include "tests/studies/digitize/independent_render.hpp"
 #include "tests/studies/digitize/score.hpp"
-#include "tests/studies/digitize/distractors.hpp"
 
 namespace strobe::studies::digitize {
 
@@ -34,7 +34,7 @@ struct Take {
       jpeg_quality{};  ///< 1 to 100, 8 bits; 0: not compressed; absent: 85 to 95 of the second renderer's
   bool ignore_marking = false;    ///< a line is looked for on a ball that has none, too
   sim::ShootSettings shooting{};  ///< a kept photograph is one of the same train of flashes
-  Distractors distractors{};              ///< added to what was rendered or kept
+  Distractors distractors{};      ///< added to what was rendered or kept
 };
 
 struct KnownPhotograph {

@@ -46,8 +46,8 @@ void Reliability::print() const {
     const double middle = (share + 0.5 * kZ * kZ / n) / wide;
     const double half = kZ * std::sqrt(share * (1.0 - share) / n + 0.25 * kZ * kZ / (n * n)) / wide;
     fmt::print("{:<18} {:>7} {:>7} {:>11} {:>8.4f} {:>7.4f} - {:.4f} {:>8.4f}\n",
-               fmt::format("{:g} to {:g}", i == 0 ? 0.0 : kUpTo[i - 1], kUpTo[i]), of.images, of.balls, of.others,
-               share, middle - half, std::min(1.0, middle + half), of.stated / n);
+               fmt::format("{:g} to {:g}", i == 0 ? 0.0 : kUpTo[i - 1], kUpTo[i]), of.images, of.balls,
+               of.others, share, middle - half, std::min(1.0, middle + half), of.stated / n);
   }
 }
 

@@ -86,7 +86,8 @@ void turn_spin(Take& take, double by_deg) {
 
 /// Of everything something: 1 as in a tidy lab, 4 as nobody would take photographs.
 void set_distractors(Take& take, double much) {
-  take.distractors = {.round_things = static_cast<int>(4.0 * much), .texture = 0.03 * much, .trail = 0.07 * much};
+  take.distractors = {
+      .round_things = static_cast<int>(4.0 * much), .texture = 0.03 * much, .trail = 0.07 * much};
   take.scene.photograph.blur_px = 0.7 * much;
   take.scene.photograph.exposure /= much;
   set_noise(take, much);
