@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <numbers>
+#include <opencv2/core/hal/intrin.hpp>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
@@ -78,6 +80,11 @@ struct Samples {
   std::vector<std::vector<Sample>> of_disc;
 };
 
+/// What threads share: as many parts on every machine, so that sums are the same.
+constexpr int kParts = 8;
+
+cv::Range part_of(int count, int part) { return {count * part / kParts, count * (part + 1) / kParts}; }
+
 /// Median intensity around a disc and outside of all others. Returns nullopt if hardly any of that is
 /// visible.
 std::optional<float> background_around(const BinnedImage& image, std::span<const Disc> discs,
@@ -117,31 +124,42 @@ std::vector<float> backgrounds(const BinnedImage& image, std::span<const Disc> d
   return result;
 }
 
-/// Discs whose rows are near a row.
-std::vector<std::size_t> near_row(std::span<const Disc> discs, double row, double radii) {
-  std::vector<std::size_t> near;
-  for (std::size_t k = 0; k < discs.size(); ++k)
-    if (std::abs(row - discs[k].centre_image.y) <= discs[k].half_extent_px(radii).y) near.push_back(k);
-  return near;
+/// A disc of a row's bins: those within `radii` lie from column `from` to column `to`.
+struct NearDisc {
+  std::size_t disc = 0;
+  int from = 0, to = 0;
+};
+
+/// Discs near a row of bins.
+void near_row(const BinnedImage& image, std::span<const Disc> discs, int row, double radii,
+              std::vector<NearDisc>& near) {
+  near.clear();
+  for (std::size_t k = 0; k < discs.size(); ++k) {
+    const cv::Point2d half = discs[k].half_extent_px(radii);
+    if (std::abs(image.row(row) - discs[k].centre_image.y) > half.y) continue;
+    const auto column = [&](double px) { return (px + 0.5 - image.origin.x) / image.stride - 0.5; };
+    near.push_back({k, static_cast<int>(std::floor(column(discs[k].centre_image.x - half.x))),
+                    static_cast<int>(std::ceil(column(discs[k].centre_image.x + half.x)))});
+  }
 }
 
-Samples take_samples(const BinnedImage& image, std::span<const Disc> discs, std::span<const Shading> shadings,
-                     int across) {
-  double radius = 0.0;
-  for (const Disc& disc : discs) radius = std::max(radius, disc.radius_image_px);
-  const int step = std::max(1, static_cast<int>(2.0 * radius / image.stride / across));
-  Samples samples;
+/// Every step-th bin of every step-th row of some.
+void sample_rows(const BinnedImage& image, std::span<const Disc> discs, std::span<const Shading> shadings,
+                 const cv::Range& rows, int step, Samples& samples) {
   samples.of_disc.resize(discs.size());
+  std::vector<NearDisc> near;
   std::vector<std::pair<std::size_t, cv::Point2d>> over;
-  for (int j = 0; j < image.intensity.rows; j += step) {
-    const auto near = near_row(discs, image.row(j), 1.1);
+  for (int row = rows.start; row < rows.end; ++row) {
+    const int j = row * step;
+    near_row(image, discs, j, 1.1, near);
     if (near.empty()) continue;
     const float* intensity = image.intensity.ptr<float>(j);
     for (int i = 0; i < image.intensity.cols; i += step) {
       if (intensity[i] >= image.saturation) continue;
       over.clear();
       bool use = true;
-      for (const std::size_t k : near) {
+      for (const auto& [k, from, to] : near) {
+        if (i < from || i > to) continue;
         const cv::Point2d unit = discs[k].unit(image.column(i), image.row(j));
         const double r = unit.dot(unit);
         if (r > (1.0 + discs[k].rim) * (1.0 + discs[k].rim)) continue;
@@ -158,6 +176,28 @@ Samples take_samples(const BinnedImage& image, std::span<const Disc> discs, std:
         background += shadings[k].background;
       }
       samples.value.push_back(intensity[i] - background / static_cast<float>(over.size()));
+    }
+  }
+}
+
+Samples take_samples(const BinnedImage& image, std::span<const Disc> discs, std::span<const Shading> shadings,
+                     int across) {
+  double radius = 0.0;
+  for (const Disc& disc : discs) radius = std::max(radius, disc.radius_image_px);
+  const int step = std::max(1, static_cast<int>(2.0 * radius / image.stride / across));
+  const int rows = (image.intensity.rows + step - 1) / step;
+  std::array<Samples, kParts> parts;
+  cv::parallel_for_(cv::Range(0, kParts), [&](const cv::Range& range) {
+    for (int part = range.start; part < range.end; ++part)
+      sample_rows(image, discs, shadings, part_of(rows, part), step, parts[static_cast<std::size_t>(part)]);
+  });
+  Samples samples = std::move(parts.front());
+  for (auto part = parts.begin() + 1; part != parts.end(); ++part) {
+    const int before = static_cast<int>(samples.value.size());
+    samples.value.insert(samples.value.end(), part->value.begin(), part->value.end());
+    for (std::size_t k = 0; k < discs.size(); ++k) {
+      for (Sample& sample : part->of_disc[k]) sample.point += before;
+      samples.of_disc[k].insert(samples.of_disc[k].end(), part->of_disc[k].begin(), part->of_disc[k].end());
     }
   }
   return samples;
@@ -182,11 +222,24 @@ std::optional<Terms> solved(Normal normal, const Terms& right) {
   return x;
 }
 
-double dot(const Sample& sample, const Terms& terms) {
-  double sum = 0.0;
-  for (int a = 0; a < Shading::kTerms; ++a) sum += sample.basis[static_cast<std::size_t>(a)] * terms[a];
-  return sum;
-}
+/// Of the terms in single precision, which the basis has, too.
+class Quick {
+ public:
+  explicit Quick(const Terms& terms) {
+    for (int a = 0; a < Shading::kTerms; ++a)
+      terms_[static_cast<std::size_t>(a)] = static_cast<float>(terms[a]);
+  }
+  double dot(const Sample& sample) const {
+    cv::v_float32x4 sum = cv::v_setzero_f32();
+    for (std::size_t a = 0; a < Shading::kTerms; a += kLanes)
+      sum = cv::v_muladd(cv::v_load(&sample.basis[a]), cv::v_load(&terms_[a]), sum);
+    return static_cast<double>(cv::v_reduce_sum(sum));
+  }
+
+ private:
+  static constexpr std::size_t kLanes = 4;
+  std::array<float, Shading::kTerms> terms_;
+};
 
 /// One shading for all discs, which regularizes those that overlap.
 Terms common_terms(const Samples& samples) {
@@ -195,13 +248,22 @@ Terms common_terms(const Samples& samples) {
     for (const Sample& sample : disc)
       for (std::size_t a = 0; a < Shading::kTerms; ++a)
         sums[static_cast<std::size_t>(sample.point)][a] += sample.basis[a];
+  std::array<Normal, kParts> normals{};
+  std::array<Terms, kParts> rights{};
+  cv::parallel_for_(cv::Range(0, kParts), [&](const cv::Range& range) {
+    for (auto part = static_cast<std::size_t>(range.start); part < static_cast<std::size_t>(range.end);
+         ++part) {
+      const cv::Range points = part_of(static_cast<int>(sums.size()), static_cast<int>(part));
+      for (auto p = static_cast<std::size_t>(points.start); p < static_cast<std::size_t>(points.end); ++p) {
+        add(normals[part], sums[p].data(), 1.0);
+        for (int a = 0; a < Shading::kTerms; ++a)
+          rights[part][a] += samples.value[p] * sums[p][static_cast<std::size_t>(a)];
+      }
+    }
+  });
   Normal normal = Normal::eye() * 1e-3;
   Terms right;
-  for (std::size_t p = 0; p < sums.size(); ++p) {
-    add(normal, sums[p].data(), 1.0);
-    for (int a = 0; a < Shading::kTerms; ++a)
-      right[a] += samples.value[p] * sums[p][static_cast<std::size_t>(a)];
-  }
+  for (std::size_t part = 0; part < kParts; ++part) normal += normals[part], right += rights[part];
   return solved(normal, right).value_or(Terms());
 }
 
@@ -247,8 +309,9 @@ std::vector<Terms> own_terms(const Samples& samples, const Terms& common) {
   std::vector<Terms> terms(samples.of_disc.size(), common);
   const std::vector<Normal> unweighted = unweighted_normals(samples);
   std::vector<double> left(samples.value.begin(), samples.value.end());
+  const Quick by_common(common);
   for (const auto& disc : samples.of_disc)
-    for (const Sample& sample : disc) left[static_cast<std::size_t>(sample.point)] -= dot(sample, common);
+    for (const Sample& sample : disc) left[static_cast<std::size_t>(sample.point)] -= by_common.dot(sample);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     const double limit = sweep > 0 ? huber_limit(left) : 1e30;
     for (std::size_t k = 0; k < terms.size(); ++k) {
@@ -268,8 +331,9 @@ std::vector<Terms> own_terms(const Samples& samples, const Terms& common) {
       for (int a = 0; a < Shading::kTerms; ++a) normal(a, a) += kPriorSamples;
       const auto change = solved(normal, right);
       if (!change) continue;
+      const Quick by_change(*change);
       for (const Sample& sample : samples.of_disc[k])
-        left[static_cast<std::size_t>(sample.point)] -= dot(sample, *change);
+        left[static_cast<std::size_t>(sample.point)] -= by_change.dot(sample);
       terms[k] += *change;
     }
   }
