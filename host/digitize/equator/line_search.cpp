@@ -1,8 +1,10 @@
 #include "host/digitize/equator/line_search.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <numbers>
 #include <numeric>
+#include <opencv2/core/hal/intrin.hpp>
 
 #include "host/digitize/core/statistics.hpp"
 
@@ -89,30 +91,25 @@ class Cells {
       : per_radius_(std::clamp(static_cast<int>(pixels.disc().radius_image_px / pixels.stride() / 1.4), 4,
                                kMaxCells)),
         side_(2 * per_radius_ + 1),
-        sum_(static_cast<std::size_t>(side_ * side_)),
-        weight_(sum_.size()) {
+        cells_(static_cast<std::size_t>(side_ * side_)) {
     fill(pixels);
   }
 
   int per_radius() const { return per_radius_; }
   double saturated() const { return saturated_; }
   double outside() const { return outside_; }
-  /// Index of the cell at a point inside the disc.
-  std::size_t index(double u, double v) const {
-    const int i = static_cast<int>(u * per_radius_ + per_radius_ + 0.5);
-    const int j = static_cast<int>(v * per_radius_ + per_radius_ + 0.5);
-    return static_cast<std::size_t>(j * side_ + i);
-  }
-  float sum(std::size_t index) const { return sum_[index]; }
-  float weight(std::size_t index) const { return weight_[index]; }
+  struct Cell {
+    float sum = 0.0F, weight = 0.0F;
+  };
+  /// In the column `i` and the row `j`, the middle one being per_radius().
+  const Cell& at(int i, int j) const { return cells_[static_cast<std::size_t>(j * side_ + i)]; }
 
  private:
   void fill(BallPixels& pixels);
 
   int per_radius_;
   int side_;
-  std::vector<float> sum_;
-  std::vector<float> weight_;
+  std::vector<Cell> cells_;
   double saturated_ = 0.0;
   double outside_ = 0.0;
 };
@@ -130,9 +127,11 @@ void Cells::fill(BallPixels& pixels) {
       if (!pixel.usable || pixel.shading <= pixels.floor()) continue;
       // Least squares for residual = shading·x, weighted by the inverse variance.
       const float scale = share / (pixel.variance + floor2);
-      const std::size_t at = index(pixel.u, pixel.v);
-      sum_[at] += pixel.residual * pixel.shading * scale;
-      weight_[at] += pixel.shading * pixel.shading * scale;
+      const int column = static_cast<int>((pixel.u + 1.0) * per_radius_ + 0.5),
+                row = static_cast<int>((pixel.v + 1.0) * per_radius_ + 0.5);
+      Cell& cell = cells_[static_cast<std::size_t>(row * side_ + column)];
+      cell.sum += pixel.residual * pixel.shading * scale;
+      cell.weight += pixel.shading * pixel.shading * scale;
     }
   }
   const double whole = CV_PI * kInner * kInner * radius * radius;
@@ -140,65 +139,99 @@ void Cells::fill(BallPixels& pixels) {
   outside_ = std::clamp(1.0 - inside / whole, 0.0, 1.0);
 }
 
-/// Cumulative sums along the columns across a strip of one angle.
-class Strip {
+/// Angles that are worked on at a time, a lane each.
+constexpr int kAtOnce = 4;
+using Lanes = cv::v_float32x4;
+
+/// Cumulative sums along the columns across a strip, of kAtOnce angles from one on; those beyond the plan's
+/// last are searched for nothing.
+class Strips {
  public:
-  Strip(const Cells& cells, const Plan& plan, double angle)
+  Strips(const Cells& cells, const Plan& plan, int first_angle)
       : half_(plan.rows), rows_(static_cast<std::size_t>(2 * half_ + 2)) {
-    sums_.resize(static_cast<std::size_t>(plan.columns) * rows_);
-    const double c = std::cos(angle), s = std::sin(angle), step = 1.0 / cells.per_radius();
-    for (int column = 0; column < plan.columns; ++column) {
-      const double a = plan.along(column);
-      const int most = std::min(half_, static_cast<int>(std::sqrt(kInner * kInner - a * a) / step));
-      Mean* at = sums_.data() + static_cast<std::size_t>(column) * rows_;
-      Mean so_far;
-      for (int k = -half_; k <= half_; ++k) {
-        if (std::abs(k) <= most) {
-          const std::size_t cell = cells.index(c * a - s * step * k, s * a + c * step * k);
-          so_far.sum += cells.sum(cell);
-          so_far.weight += cells.weight(cell);
-        }
-        *++at = so_far;
-      }
+    sums_ = std::make_unique_for_overwrite<Sums[]>(static_cast<std::size_t>(plan.columns) * rows_);
+    std::array<float, kAtOnce> cosine, sine;
+    for (int lane = 0; lane < kAtOnce; ++lane) {
+      const auto of = static_cast<std::size_t>(lane);
+      cosine[of] = static_cast<float>(std::cos(plan.angle(first_angle + lane)));
+      sine[of] = static_cast<float>(std::sin(plan.angle(first_angle + lane)));
     }
+    const Lanes c = cv::v_load(cosine.data()), s = cv::v_load(sine.data());
+    for (int column = 0; column < plan.columns; ++column) fill(cells, plan, c, s, column);
   }
 
   struct Mean {
-    float sum = 0.0F;
-    float weight = 0.0F;
+    Lanes sum, weight;
   };
   /// Over cells from `low` to `high` across, both included and within the plan's rows.
   Mean over(int column, int low, int high) const {
-    const Mean* base = sums_.data() + static_cast<std::size_t>(column) * rows_ + half_;
-    const Mean &from = base[low], &to = base[high + 1];
-    return {to.sum - from.sum, to.weight - from.weight};
+    const Sums* base = sums_.get() + static_cast<std::size_t>(column) * rows_ + half_;
+    const Sums &from = base[low], &to = base[high + 1];
+    return {cv::v_load(to.sum.data()) - cv::v_load(from.sum.data()),
+            cv::v_load(to.weight.data()) - cv::v_load(from.weight.data())};
   }
 
  private:
+  struct Sums {
+    std::array<float, kAtOnce> sum, weight;
+  };
+
+  void fill(const Cells& cells, const Plan& plan, const Lanes& c, const Lanes& s, int column) {
+    const double a = plan.along(column), step = 1.0 / cells.per_radius();
+    const int most = std::min(half_, static_cast<int>(std::sqrt(kInner * kInner - a * a) / step));
+    const auto place = [](float at) { return cv::v_setall_f32(at); };
+    const float along = static_cast<float>(a * cells.per_radius()),
+                middle = static_cast<float>(cells.per_radius()) + 0.5F;
+    const Lanes column_at = place(along) * c + place(middle), row_at = place(along) * s + place(middle);
+    Sums* at = sums_.get() + static_cast<std::size_t>(column) * rows_;
+    *at++ = {};
+    Lanes sum = cv::v_setzero_f32(), weight = sum;
+    std::array<int, kAtOnce> i, j;
+    for (int k = -half_; k <= half_; ++k, ++at) {
+      if (std::abs(k) <= most) {
+        const Lanes across = place(static_cast<float>(k));
+        cv::v_store(i.data(), cv::v_trunc(column_at - across * s));
+        cv::v_store(j.data(), cv::v_trunc(row_at + across * c));
+        const std::array of{cells.at(i[0], j[0]), cells.at(i[1], j[1]), cells.at(i[2], j[2]),
+                            cells.at(i[3], j[3])};
+        sum = sum + Lanes(of[0].sum, of[1].sum, of[2].sum, of[3].sum);
+        weight = weight + Lanes(of[0].weight, of[1].weight, of[2].weight, of[3].weight);
+      }
+      cv::v_store(at->sum.data(), sum);
+      cv::v_store(at->weight.data(), weight);
+    }
+  }
+
   int half_;
   std::size_t rows_;
-  std::vector<Mean> sums_;
+  std::unique_ptr<Sums[]> sums_;
 };
 
 constexpr float kInvisible = -1e9F;
 
 /// How much darker the column is at the line than on both sides.
-float darkness(const Strip& strip, const Pattern& pattern, int column, int middle) {
-  const auto inner = strip.over(column, middle - pattern.half, middle + pattern.half);
+Lanes darkness(const Strips& strips, const Pattern& pattern, int column, int middle) {
+  const Lanes invisible = cv::v_setall_f32(kInvisible);
+  const auto inner = strips.over(column, middle - pattern.half, middle + pattern.half);
   // A fully visible cell has weight one.
-  if (inner.weight < 0.15F * static_cast<float>(2 * pattern.half + 1)) return kInvisible;
-  const auto below = strip.over(column, middle - pattern.reach(), middle - pattern.gap);
-  const auto above = strip.over(column, middle + pattern.gap, middle + pattern.reach());
-  const float least = 0.15F * static_cast<float>(pattern.side);
-  if (below.weight >= least && above.weight >= least) {
-    // below.sum/below.weight and so on, with one division
-    const float both = 2.0F * below.weight * above.weight;
-    const float side = below.sum * above.weight + above.sum * below.weight;
-    return (side * inner.weight - inner.sum * both) / (both * inner.weight);
+  const Lanes seen = inner.weight >= cv::v_setall_f32(0.15F * static_cast<float>(2 * pattern.half + 1));
+  if (!cv::v_check_any(seen)) return invisible;
+  const auto below = strips.over(column, middle - pattern.reach(), middle - pattern.gap);
+  const auto above = strips.over(column, middle + pattern.gap, middle + pattern.reach());
+  const Lanes least = cv::v_setall_f32(0.15F * static_cast<float>(pattern.side));
+  const Lanes has_below = below.weight >= least, has_above = above.weight >= least;
+  const Lanes has_both = has_below & has_above;
+  // below.sum/below.weight and so on, with one division
+  const Lanes both = cv::v_setall_f32(2.0F) * below.weight * above.weight;
+  const Lanes sides = below.sum * above.weight + above.sum * below.weight;
+  Lanes dark = (sides * inner.weight - inner.sum * both) / (both * inner.weight);
+  if (!cv::v_check_all(has_both)) {
+    const Lanes sum = cv::v_select(has_below, below.sum, above.sum),
+                weight = cv::v_select(has_below, below.weight, above.weight);
+    const Lanes by_one = sum / weight - inner.sum / inner.weight;
+    dark = cv::v_select(has_both, dark, cv::v_select(has_below | has_above, by_one, invisible));
   }
-  if (below.weight < least && above.weight < least) return kInvisible;
-  const auto& side = below.weight >= least ? below : above;
-  return side.sum / side.weight - inner.sum / inner.weight;
+  return cv::v_select(seen, dark, invisible);
 }
 
 /// Darkness of every column of every strip and tilt, for one width.
@@ -206,23 +239,24 @@ struct Table {
   int angles = 0;
   int tilts = 0;
   int of_strip = 0;         ///< columns
-  std::vector<float> dark;  ///< [angle][tilt][column]
+  std::vector<float> dark;  ///< [angle / kAtOnce][tilt][column][angle % kAtOnce]
 
-  std::span<const float> columns(int angle, int tilt_index) const {
-    return std::span(dark).subspan(static_cast<std::size_t>((angle * tilts + tilt_index) * of_strip),
-                                   static_cast<std::size_t>(of_strip));
+  std::span<const float> columns(int first_angle, int tilt_index) const {
+    const auto size = static_cast<std::size_t>(of_strip * kAtOnce);
+    return std::span(dark).subspan(
+        static_cast<std::size_t>(first_angle / kAtOnce * tilts + tilt_index) * size, size);
   }
 };
 
-Table fill_table(const std::vector<Strip>& strips, const Plan& plan, const Patterns& patterns) {
+Table fill_table(const std::vector<Strips>& strips, const Plan& plan, const Patterns& patterns) {
   Table table{plan.angles, static_cast<int>(patterns.tilts.size()), plan.columns, {}};
-  table.dark.resize(strips.size() * patterns.tilts.size() * static_cast<std::size_t>(plan.columns));
+  table.dark.resize(strips.size() * patterns.tilts.size() * static_cast<std::size_t>(plan.columns) * kAtOnce);
   float* dark = table.dark.data();
-  for (const Strip& strip : strips) {
+  for (const Strips& of_angles : strips) {
     for (const Pattern& pattern : patterns.tilts) {
       const int* middle = pattern.middle.data();
-      for (int column = 0; column < plan.columns; ++column)
-        *dark++ = darkness(strip, pattern, column, *middle++);
+      for (int column = 0; column < plan.columns; ++column, dark += kAtOnce)
+        cv::v_store(dark, darkness(of_angles, pattern, column, *middle++));
     }
   }
   return table;
@@ -231,9 +265,13 @@ Table fill_table(const std::vector<Strip>& strips, const Plan& plan, const Patte
 /// Robust sd of the columns' darkness anywhere on the ball. Returns 0 for too few columns.
 double spread(const Table& table) {
   std::vector<float> values;
-  for (int angle = 0; angle < table.angles; ++angle)
-    for (const float dark : table.columns(angle, table.tilts / 2))
-      if (dark != kInvisible) values.push_back(std::abs(dark));
+  for (int first = 0; first < table.angles; first += kAtOnce) {
+    const auto columns = table.columns(first, table.tilts / 2);
+    const int lanes = std::min(kAtOnce, table.angles - first);
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      if (static_cast<int>(k % kAtOnce) < lanes && columns[k] != kInvisible)
+        values.push_back(std::abs(columns[k]));
+  }
   if (values.size() < 50) return 0.0;
   return kSdOverMad * upper_median(std::move(values));
 }
@@ -244,19 +282,28 @@ struct Tally {
   int visible = 0;  ///< columns
 };
 
-Tally tally(std::span<const float> columns, double sd) {
-  Tally result;
-  const auto limit = static_cast<float>(kClip * sd);
-  float clipped = 0.0F, sum = 0.0F;
-  for (const float dark : columns) {
-    if (dark == kInvisible) continue;
-    ++result.visible;
-    clipped += std::clamp(dark, -limit, limit);
-    sum += dark;
+/// Of kAtOnce angles.
+std::array<Tally, kAtOnce> tally(std::span<const float> columns, double sd) {
+  const Lanes limit = cv::v_setall_f32(static_cast<float>(kClip * sd)), one = cv::v_setall_f32(1.0F),
+              invisible = cv::v_setall_f32(kInvisible), none = cv::v_setzero_f32();
+  Lanes clipped = none, sum = none, visible = none;
+  for (std::size_t k = 0; k < columns.size(); k += kAtOnce) {
+    const Lanes dark = cv::v_load(&columns[k]), seen = dark != invisible;
+    visible += one & seen;
+    clipped += cv::v_max(none - limit, cv::v_min(dark, limit)) & seen;
+    sum += dark & seen;
   }
-  if (result.visible == 0) return result;
-  result.score = clipped / sd / std::sqrt(result.visible * 1.0);
-  result.contrast = static_cast<double>(sum) / result.visible;
+  std::array<float, kAtOnce> clipped_of, sum_of, visible_of;
+  cv::v_store(clipped_of.data(), clipped);
+  cv::v_store(sum_of.data(), sum);
+  cv::v_store(visible_of.data(), visible);
+  std::array<Tally, kAtOnce> result;
+  for (std::size_t lane = 0; lane < kAtOnce; ++lane) {
+    if (!(visible_of[lane] > 0.0F)) continue;
+    const auto count = static_cast<double>(visible_of[lane]);
+    result[lane] = {static_cast<double>(clipped_of[lane]) / sd / std::sqrt(count),
+                    static_cast<double>(sum_of[lane]) / count, static_cast<int>(count)};
+  }
   return result;
 }
 
@@ -271,22 +318,14 @@ class BestLines {
     int visible = 0;
     const double sd = spread(table);
     if (!(sd > 0.0)) return visible;
-    for (int k = 0; k < plan_.angles; ++k) {
+    for (int first = 0; first < plan_.angles; first += kAtOnce) {
       for (int t = 0; t < table.tilts; ++t) {
-        const Tally found = tally(table.columns(k, t), sd);
-        visible = std::max(visible, found.visible);
-        if (found.visible < plan_.columns / 4) continue;
-        // The score is clipped for strong lines: among similar scores the darker line is preferred.
-        const double rank = found.score + 0.3 * found.contrast / sd;
-        const auto at = static_cast<std::size_t>(k);
-        if (rank <= rank_[at]) continue;
-        rank_[at] = rank;
-        LinePeak& peak = peaks_[at];
-        peak.line.angle_rad = plan_.angle(k);
-        peak.line.tilt_rad = patterns.tilts[static_cast<std::size_t>(t)].tilt_rad;
-        peak.line.contrast = found.contrast;
-        peak.line.shape.half_width = patterns.half_width;
-        peak.score = found.score;
+        const auto found = tally(table.columns(first, t), sd);
+        for (int k = first; k < std::min(first + kAtOnce, plan_.angles); ++k) {
+          const Tally& one = found[static_cast<std::size_t>(k - first)];
+          visible = std::max(visible, one.visible);
+          update(k, one, sd, patterns.tilts[static_cast<std::size_t>(t)].tilt_rad, patterns.half_width);
+        }
       }
     }
     return visible;
@@ -312,6 +351,21 @@ class BestLines {
  private:
   static constexpr double kNoRank = -1e30;
 
+  void update(int angle, const Tally& found, double sd, double tilt_rad, double half_width) {
+    if (found.visible < plan_.columns / 4) return;
+    // The score is clipped for strong lines: among similar scores the darker line is preferred.
+    const double rank = found.score + 0.3 * found.contrast / sd;
+    const auto at = static_cast<std::size_t>(angle);
+    if (rank <= rank_[at]) return;
+    rank_[at] = rank;
+    LinePeak& peak = peaks_[at];
+    peak.line.angle_rad = plan_.angle(angle);
+    peak.line.tilt_rad = tilt_rad;
+    peak.line.contrast = found.contrast;
+    peak.line.shape.half_width = half_width;
+    peak.score = found.score;
+  }
+
   const Plan& plan_;
   std::vector<LinePeak> peaks_;
   std::vector<double> rank_;
@@ -325,8 +379,8 @@ LineSearch search_line(BallPixels& pixels, Effort effort, TiltRange range) {
   search.saturated = cells.saturated();
   search.outside = cells.outside();
   const Plan plan = make_plan(cells.per_radius(), effort, range);
-  std::vector<Strip> strips;
-  for (int k = 0; k < plan.angles; ++k) strips.emplace_back(cells, plan, plan.angle(k));
+  std::vector<Strips> strips;
+  for (int k = 0; k < plan.angles; k += kAtOnce) strips.emplace_back(cells, plan, k);
   BestLines best(plan);
   int visible = 0;
   for (const Patterns& patterns : plan.widths)
