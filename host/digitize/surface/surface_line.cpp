@@ -77,6 +77,8 @@ double circles_below(const EdgeLine& edge, std::span<const Outline> outlines) {
   for (const Outline& o : outlines) {
     const double radius = 0.5 * o.diameter;
     const double allowed = std::max(kBelowOfRadius * radius, kDoubtful_sd * o.blur_px);
+    const double lowest = edge.at(o.centre.x) - o.centre.y + radius * std::hypot(1.0, edge.slope);
+    if (lowest <= allowed) continue;
     for (const Arc& arc : o.visible_arcs) {
       const int steps = std::max(1, cvRound(arc.extent_rad / (2.0 * std::numbers::pi) * kSteps));
       for (int k = 0; k < steps; ++k) {
@@ -247,35 +249,33 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
       measured[i] = fit_edge_line(photograph, map, occluded, rough[i]);
   });
   std::vector<EdgeLine> edges;
-  double longest = 0.0;
+  std::optional<EdgeLine> chosen;
+  double longest = 0.0, most = 0.0;
   for (const auto& edge : measured) {
     if (!edge) continue;
-    if (possible(*edge, outlines)) longest = std::max(longest, edge->visible_fraction);
+    const bool allowed = possible(*edge, outlines);
+    if (allowed) longest = std::max(longest, edge->visible_fraction);
     if (edge->visible_fraction < kMinVisibleShare) continue;
     edges.push_back(*edge);
+    const double value = allowed ? quality(*edge, outlines) : 0.0;
+    if (value > most) most = value, chosen = edge;
   }
-  const EdgeLine* best = nullptr;
-  for (const EdgeLine& edge : edges) {
-    if (!possible(edge, outlines)) continue;
-    if (best == nullptr || quality(edge, outlines) > quality(*best, outlines)) best = &edge;
-  }
-  if (best == nullptr) {
+  if (!chosen) {
     return tl::unexpected(Rejection{
         Reason::no_plate,
         fmt::format("no straight edge with light below it: the best is seen over {:.0f} % of the width",
                     100.0 * longest)});
   }
-  EdgeLine refined = refine_edge_line(photograph, map, occluded, *best);
-  refined.sd_px = std::hypot(refined.sd_px, lowest_sd_px(outlines));
-  best = &refined;
-  const EdgeLine* other = other_edge(*best, edges, outlines);
+  EdgeLine best = refine_edge_line(photograph, map, occluded, *chosen);
+  best.sd_px = std::hypot(best.sd_px, lowest_sd_px(outlines));
+  const EdgeLine* other = other_edge(best, edges, outlines);
   if (other == nullptr)
-    return with_hidden_edge(*best, hidden_below_px(photograph, map, occluded, *best, outlines));
-  const EdgeLine middle = between(*best, *other);
+    return with_hidden_edge(best, hidden_below_px(photograph, map, occluded, best, outlines));
+  const EdgeLine middle = between(best, *other);
   // The other edge is a clamp's above the plate if balls reach below the middle.
-  if (!possible(middle, outlines)) return four_points(*best);
+  if (!possible(middle, outlines)) return four_points(best);
   SurfaceLine line = four_points(middle);
-  line.edge_separation_px = std::abs(other->at(best->middle.x) - best->middle.y);
+  line.edge_separation_px = std::abs(other->at(best.middle.x) - best.middle.y);
   return line;
 }
 
