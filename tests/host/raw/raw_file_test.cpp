@@ -61,14 +61,14 @@ TEST(RawFile, IsNotTurned) {
 // mean of opposite ones, so that it is off by no more than the noise.
 TEST(RawFile, HasItsDeadAndHotPixelsMendedFromTheirOwnColour) {
   const image::Raster picture = raw_picture();
-  image::Raster spoilt = raw_picture();
+  image::Raster defective = raw_picture();
   const int places[][3] = {{10, 10, 0}, {21, 12, 4095}, {30, 31, 4000}, {41, 40, 0}};
-  for (const auto& [x, y, number] : places) set_number(spoilt, x, y, number);
-  const auto raster = converted(folder, dng_of(spoilt));
+  for (const auto& [x, y, number] : places) set_number(defective, x, y, number);
+  const auto raster = converted(folder, dng_of(defective));
   for (const auto& [x, y, number] : places)
     CHECK(std::abs(raw_number(*raster, x, y) - raw_number(picture, x, y)) <= 13);
-  for (const auto& [x, y, number] : places) set_number(spoilt, x, y, raw_number(*raster, x, y));
-  MEMCMP_EQUAL(spoilt.row(0), raster->row(0), spoilt.size_bytes());
+  for (const auto& [x, y, number] : places) set_number(defective, x, y, raw_number(*raster, x, y));
+  MEMCMP_EQUAL(defective.row(0), raster->row(0), defective.size_bytes());
 }
 
 // A lens blurs whatever it draws over more than one pixel of a colour: a line two pixels wide stays.
