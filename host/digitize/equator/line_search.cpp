@@ -102,9 +102,10 @@ class Cells {
     float sum = 0.0F, weight = 0.0F;
   };
   /// In the column `i` and the row `j`, the middle one being per_radius().
-  const Cell& at(int i, int j) const { return cells_[static_cast<std::size_t>(j * side_ + i)]; }
+  const Cell& at(int i, int j) const { return cells_[index(i, j)]; }
 
  private:
+  std::size_t index(int i, int j) const { return static_cast<std::size_t>(j * side_ + i); }
   void fill(BallPixels& pixels);
 
   int per_radius_;
@@ -129,7 +130,7 @@ void Cells::fill(BallPixels& pixels) {
       const float scale = share / (pixel.variance + floor2);
       const int column = static_cast<int>((pixel.u + 1.0) * per_radius_ + 0.5),
                 row = static_cast<int>((pixel.v + 1.0) * per_radius_ + 0.5);
-      Cell& cell = cells_[static_cast<std::size_t>(row * side_ + column)];
+      Cell& cell = cells_[index(column, row)];
       cell.sum += pixel.residual * pixel.shading * scale;
       cell.weight += pixel.shading * pixel.shading * scale;
     }

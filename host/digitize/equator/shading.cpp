@@ -222,10 +222,10 @@ std::optional<Terms> solved(Normal normal, const Terms& right) {
   return x;
 }
 
-/// Of the terms in single precision, which the basis has, too.
-class Quick {
+/// Terms in single precision, which the basis has, too.
+class FloatTerms {
  public:
-  explicit Quick(const Terms& terms) {
+  explicit FloatTerms(const Terms& terms) {
     for (int a = 0; a < Shading::kTerms; ++a)
       terms_[static_cast<std::size_t>(a)] = static_cast<float>(terms[a]);
   }
@@ -309,7 +309,7 @@ std::vector<Terms> own_terms(const Samples& samples, const Terms& common) {
   std::vector<Terms> terms(samples.of_disc.size(), common);
   const std::vector<Normal> unweighted = unweighted_normals(samples);
   std::vector<double> left(samples.value.begin(), samples.value.end());
-  const Quick by_common(common);
+  const FloatTerms by_common(common);
   for (const auto& disc : samples.of_disc)
     for (const Sample& sample : disc) left[static_cast<std::size_t>(sample.point)] -= by_common.dot(sample);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -331,7 +331,7 @@ std::vector<Terms> own_terms(const Samples& samples, const Terms& common) {
       for (int a = 0; a < Shading::kTerms; ++a) normal(a, a) += kPriorSamples;
       const auto change = solved(normal, right);
       if (!change) continue;
-      const Quick by_change(*change);
+      const FloatTerms by_change(*change);
       for (const Sample& sample : samples.of_disc[k])
         left[static_cast<std::size_t>(sample.point)] -= by_change.dot(sample);
       terms[k] += *change;

@@ -77,8 +77,8 @@ double circles_below(const EdgeLine& edge, std::span<const Outline> outlines) {
   for (const Outline& o : outlines) {
     const double radius = 0.5 * o.diameter;
     const double allowed = std::max(kBelowOfRadius * radius, kDoubtful_sd * o.blur_px);
-    const double lowest = edge.at(o.centre.x) - o.centre.y + radius * std::hypot(1.0, edge.slope);
-    if (lowest <= allowed) continue;
+    const double deepest = edge.at(o.centre.x) - o.centre.y + radius * std::hypot(1.0, edge.slope);
+    if (deepest <= allowed) continue;  // no arc of it is
     for (const Arc& arc : o.visible_arcs) {
       const int steps = std::max(1, cvRound(arc.extent_rad / (2.0 * std::numbers::pi) * kSteps));
       for (int k = 0; k < steps; ++k) {
@@ -250,15 +250,16 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
   });
   std::vector<EdgeLine> edges;
   std::optional<EdgeLine> chosen;
-  double longest = 0.0, most = 0.0;
+  double longest = 0.0, best_quality = 0.0;
   for (const auto& edge : measured) {
     if (!edge) continue;
     const bool allowed = possible(*edge, outlines);
     if (allowed) longest = std::max(longest, edge->visible_fraction);
     if (edge->visible_fraction < kMinVisibleShare) continue;
     edges.push_back(*edge);
-    const double value = allowed ? quality(*edge, outlines) : 0.0;
-    if (value > most) most = value, chosen = edge;
+    if (!allowed) continue;
+    const double value = quality(*edge, outlines);
+    if (value > best_quality) best_quality = value, chosen = edge;
   }
   if (!chosen) {
     return tl::unexpected(Rejection{
