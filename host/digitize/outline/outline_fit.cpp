@@ -15,8 +15,6 @@ namespace strobe::digitize {
 namespace {
 
 constexpr std::size_t kMinSamples = 5;
-constexpr double kMinSd = 5e-4;  // no ball can be said to be rounder
-constexpr double kMaxSd = 0.02;
 constexpr double kTukey2 = kBiweightReach_sd * kBiweightReach_sd;
 constexpr double kMedianOfSquares = 1.386;  // of two normal numbers' sum
 
@@ -32,13 +30,14 @@ double extra_variance(std::span<const OvalSample> samples, const std::vector<cv:
       squares.push_back(residuals[i].dot(precision_of(samples[i], extra) * residuals[i]));
     return upper_median(std::move(squares));
   };
-  double low = kMinSd * kMinSd, high = kMaxSd * kMaxSd;
-  if (middle(low) <= kMedianOfSquares) return low;
+  double low = 0.0, high = 0.0;  // sds
+  for (const cv::Vec2d& residual : residuals) high = std::max(high, cv::norm(residual));
+  if (middle(0.0) <= kMedianOfSquares) return 0.0;
   for (int i = 0; i < 16; ++i) {
-    const double half = std::sqrt(low * high);
-    (middle(half) > kMedianOfSquares ? low : high) = half;
+    const double half = 0.5 * (low + high);
+    (middle(half * half) > kMedianOfSquares ? low : high) = half;
   }
-  return high;
+  return high * high;
 }
 
 }  // namespace
@@ -85,7 +84,6 @@ std::optional<OvalModel> fit_oval_model(std::span<const OvalSample> samples, cv:
   OvalModel agreed;
   agreed.middle_ = middle;
   agreed.reach_px_ = reach_px;
-  agreed.scatter_ = kMinSd;
   std::vector<cv::Vec2d> residuals(samples.size());
   for (int round = 0; round <= kRounds; ++round) {
     OvalModel::Pull all;

@@ -25,7 +25,8 @@ struct OvalSample {
   cv::Matx22d covariance;  ///< positive definite
 };
 
-/// Prior sd in every direction: pixels are nearly square.
+/// Prior sd in every direction: pixels are nearly square. Resizing rounds the sides of a picture to whole px,
+/// a thousandth of one of 500.
 inline constexpr double kSquare_sd = 1e-3;
 
 class OvalModel {
