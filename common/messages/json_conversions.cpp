@@ -233,6 +233,7 @@ Frame read_frame(const json& object, std::optional<Error>& error) {
   fields.number("surface_sd_px", frame.surface_sd_px);
   fields.number("centre_sd_px", frame.centre_sd_px);
   fields.number("diameter_sd_px", frame.diameter_sd_px);
+  fields.number("shared_diameter_sd_px", frame.shared_diameter_sd_px);
   fields.number("equator_sd_rad", frame.equator_sd_rad);
   fields.number("px_per_m", frame.px_per_m);
   fields.number("px_per_m_sd", frame.px_per_m_sd);
@@ -335,6 +336,7 @@ std::string frame_to_json(const Frame& frame) {
   put(object, "surface_sd_px", frame.surface_sd_px);
   put(object, "centre_sd_px", frame.centre_sd_px);
   put(object, "diameter_sd_px", frame.diameter_sd_px);
+  put(object, "shared_diameter_sd_px", frame.shared_diameter_sd_px);
   put(object, "equator_sd_rad", frame.equator_sd_rad);
   put(object, "px_per_m", frame.px_per_m);
   put(object, "px_per_m_sd", frame.px_per_m_sd);

@@ -204,6 +204,8 @@ std::optional<Error> noise_from(const frame_t& m, Frame& frame) {
   if (!error) error = take(m.equator_sd_rad, "equator_sd_rad", frame.equator_sd_rad);
   if (!error) error = take(m.px_per_m, "px_per_m", frame.px_per_m);
   if (!error) error = take(m.px_per_m_sd, "px_per_m_sd", frame.px_per_m_sd, true);
+  if (!error)
+    error = take(m.shared_diameter_sd_px, "shared_diameter_sd_px", frame.shared_diameter_sd_px, true);
   return error;
 }
 
@@ -290,6 +292,7 @@ frame_t frame_to_lcm(const Frame& frame) {
   for (const BallImage& image : frame.images)
     if (!image.other_leg) m.images.push_back(image_to(image, m.source));
   m.image_count = static_cast<std::int32_t>(m.images.size());
+  m.shared_diameter_sd_px = frame.shared_diameter_sd_px.value_or(kNotANumber);
   return m;
 }
 

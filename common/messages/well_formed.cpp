@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <strobe_msgs/frame_2_t.hpp>
 #include <strobe_msgs/frame_3_t.hpp>
+#include <strobe_msgs/frame_4_t.hpp>
 #include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/readout_t.hpp>
 #include <utility>
@@ -48,6 +49,7 @@ bool decode_former(frame_t& frame, const void* data, std::size_t size) {
 
 bool decode_checked(frame_t& frame, const void* data, std::size_t size) {
   return decode_checked<frame_t>(frame, data, size) ||
+         decode_former<strobe_msgs::frame_4_t>(frame, data, size) ||
          decode_former<strobe_msgs::frame_3_t>(frame, data, size) ||
          decode_former<strobe_msgs::frame_2_t>(frame, data, size);
 }

@@ -33,8 +33,8 @@ bool decode_checked(Message& message, const void* data, std::size_t size) {
          well_formed<Message>(data, size) && message.decode(data, 0, static_cast<int>(size)) >= 0;
 }
 
-/// Of a frame, too, that was written before its images had a probability (frame_3_t) or a tilt (frame_2_t):
-/// they have none then.
+/// Of a frame, too, that was written before it had shared_diameter_sd_px (frame_4_t), or its images a
+/// probability (frame_3_t) or a tilt (frame_2_t): they have none then.
 bool decode_checked(strobe_msgs::frame_t& frame, const void* data, std::size_t size);
 
 /// The host_id of an encoded readout_t, read without decoding its lists; 0 if it is not a readout.

@@ -15,6 +15,10 @@ void enlarge_ball(Observations& all, double by_m) {
   all.ball.diameter_m += by_m;
 }
 
+void enlarge_images(Observations& all, double by_m) {
+  for (Observation& o : all.images) o.diameter_m += by_m;
+}
+
 /// Takes a fit apart.
 class Collector {
  public:
@@ -33,6 +37,10 @@ class Collector {
     if (const auto sd_m = seen().ball_diameter_sd_m; sd_m && *sd_m > 0.0) {
       add({.source = Source::ball_diameter, .input_sd = 1e3 * *sd_m, .input_unit = "mm"},
           [sd = *sd_m](ShotFit& fit, double sds) { enlarge_ball(fit.observations, sds * sd); });
+    }
+    if (const auto sd_m = seen().shared_diameter_sd_m; sd_m && *sd_m > 0.0) {
+      add({.source = Source::all_diameters, .input_sd = 1e3 * *sd_m, .input_unit = "mm"},
+          [sd = *sd_m](ShotFit& fit, double sds) { enlarge_images(fit.observations, sds * sd); });
     }
     air(false);
     spin_decay();

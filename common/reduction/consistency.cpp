@@ -180,7 +180,7 @@ bool scale_contradicts_ball(const ShotFit& fit) {
     of_mean *= diameters.sum_of_squares / freedom;
   }
   const double variance = of_mean + map_variance(all) + square(all.ball_diameter_m * all.scale_sd) +
-                          square(*all.scale * all.ball_diameter_sd_m.value_or(0.0));
+                          square(*all.scale * all.size_sd_m());
   if (!(variance > 0.0)) return false;
   // Welch-Satterthwaite: only the mean's variance is an estimate.
   if (of_mean > 0.0) freedom *= square(variance / of_mean);

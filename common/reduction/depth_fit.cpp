@@ -168,7 +168,7 @@ void add_depth(const DepthFit& depth, const Frame& frame, const ShotFit& fit, Sp
     const double share = *frame.px_per_m * frame.ball_diameter_m / depth.diameter_px;
     height_m = lens_m * (1.0 - share);
     const double systematic = std::hypot(frame.px_per_m_sd.value_or(0.0) / *frame.px_per_m,
-                                         frame.ball_diameter_sd_m.value_or(0.0) / frame.ball_diameter_m);
+                                         fit.observations.size_sd_m() / frame.ball_diameter_m);
     into[SpatialQuantity::off_plane_mm] =
         DerivedNumber{1e3 * height_m, 1e3 * lens_m * share * depth.diameter_sd_px / depth.diameter_px,
                       1e3 * lens_m * share * systematic};

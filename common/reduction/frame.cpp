@@ -89,6 +89,9 @@ Complaint invalid_noise(const Frame& frame) {
   if (bad_sd_px(frame.surface_sd_px)) return std::string("surface_sd_px: ") + kLengthNeeded;
   if (bad_sd_px(frame.centre_sd_px)) return std::string("centre_sd_px: ") + kLengthNeeded;
   if (bad_sd_px(frame.diameter_sd_px)) return std::string("diameter_sd_px: ") + kLengthNeeded;
+  if (bad_sd_px(frame.shared_diameter_sd_px) && *frame.shared_diameter_sd_px != 0.0) {
+    return "shared_diameter_sd_px: must not be negative; 0, or from 1e-9 to 1e12";
+  }
   if (bad_sd_rad(frame.equator_sd_rad)) return std::string("equator_sd_rad: ") + kAngleSdNeeded;
   if (bad_sd_px(frame.px_per_m)) return std::string("px_per_m: ") + kLengthNeeded;
   if (bad_sd_px(frame.px_per_m_sd) && *frame.px_per_m_sd != 0.0) {

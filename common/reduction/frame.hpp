@@ -94,6 +94,9 @@ struct Frame {
   std::optional<double> surface_sd_px;  ///< of each coordinate; absent: as centre_sd_px
   std::optional<double> centre_sd_px;   ///< of each coordinate
   std::optional<double> diameter_sd_px;
+  /// Of what all diameters are off alike, as limbs of one photograph are lit alike: as if the ball were of
+  /// another size. In the diameters' own sds, too. At least 0
+  std::optional<double> shared_diameter_sd_px;
   std::optional<double> equator_sd_rad;
   std::optional<double> px_per_m;  ///< calibrated scale; absent: from the ball's diameter, which joins in
                                    ///< where it is the better known

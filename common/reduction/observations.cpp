@@ -164,8 +164,8 @@ double mean_diameter_variance(const Observations& all) {
 /// The images' diameters would give the scale far better than the calibration does, were the ball's own
 /// diameter known as well; where its tolerance is the larger they measure the ball's size, not the scale.
 bool scale_from_diameters(const Observations& all) {
-  if (!all.scale || !all.ball_diameter_sd_m) return true;
-  return *all.ball_diameter_sd_m / all.ball_diameter_m < all.scale_sd / *all.scale;
+  if (!all.scale || !(all.ball_diameter_sd_m || all.shared_diameter_sd_m)) return true;
+  return all.size_sd_m() / all.ball_diameter_m < all.scale_sd / *all.scale;
 }
 
 std::vector<Leg> legs_of(const Frame& frame, const Observations& all, FlagSet& flags) {
@@ -225,6 +225,8 @@ std::optional<Observations> observe(const Frame& frame, FlagSet& flags, NoiseSou
   all.surface = *surface;
   all.ball_diameter_m = frame.ball_diameter_m;
   all.ball_diameter_sd_m = frame.ball_diameter_sd_m;
+  if (const auto sd_px = frame.shared_diameter_sd_px)
+    all.shared_diameter_sd_m = *sd_px / surface->px_per_unit;
   all.gravity_mps2 = flight::gravity_mps2(radians(frame.surface_angle_deg));
   all.ball = {frame.ball_diameter_m, frame.ball_mass_kg.value_or(ball::kThesisMass_kg),
               frame.ball_alpha.value_or(ball::kMeasuredAlpha)};

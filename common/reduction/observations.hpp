@@ -87,6 +87,7 @@ struct Observations {
   NoiseGroup surface_noise = NoiseGroup::stated;
   double ball_diameter_m = 0.0;
   std::optional<double> ball_diameter_sd_m;
+  std::optional<double> shared_diameter_sd_m;              ///< Frame::shared_diameter_sd_px
   std::optional<double> scale;                             ///< calibrated px per m over the surface frame's
   double scale_sd = 0.0;                                   ///< 0: exact
   Eigen::Vector2d gravity_mps2 = Eigen::Vector2d::Zero();  ///< in the surface's axes
@@ -106,6 +107,10 @@ struct Observations {
   }
   bool has_surface() const { return !surface_m.empty(); }
   bool scale_exact() const { return scale && scale_sd == 0.0; }
+  /// Of the ball's diameter against all that are measured alike.
+  double size_sd_m() const {
+    return std::hypot(ball_diameter_sd_m.value_or(0.0), shared_diameter_sd_m.value_or(0.0));
+  }
   double unit(NoiseGroup noise) const { return noise == NoiseGroup::stated ? 1.0 : group_sd[noise]; }
   double centre_variance(const Observation& o) const {
     const CholeskyFactor& l = o.centre_cholesky_m;

@@ -46,16 +46,16 @@ class Uncertainty {
       any_estimated_ = any_estimated_ || component.used;
     if (any_estimated_) rows_ = group_rows(fit);
     split_air();
-    // The diameter enters the fit through the diameters' images only: they say scale * diameter.
+    // The ball's diameter enters the fit through those of the images only: they say scale * diameter.
     double pull = 0.0;
     for (const Observation& o : fit.observations.images) {
       if (!o.use_diameter) continue;
       const double sd = fit.observations.diameter_sd(o);
-      pull -= fit.observations.ball_diameter_m * fit.joint.unknowns[kScale] / (sd * sd);
+      pull += fit.observations.ball_diameter_m / (sd * sd);
     }
     JointVector scale{};
     scale[kScale] = pull;
-    by_diameter_ = fit.joint.factor.unknowns(fit.joint.factor.whitened(scale));
+    by_images_ = fit.joint.factor.unknowns(fit.joint.factor.whitened(scale));
   }
 
   struct Statistical {
@@ -87,13 +87,17 @@ class Uncertainty {
     return Statistical{sd * statistics::student_t_sigma(freedom), freedom};
   }
 
-  /// Of the ball's diameter, where its tolerance is known, and of the air.
+  /// Of the ball's diameter and of what all images' are off alike, where that is stated, and of the air.
   std::optional<double> systematic(const Number& q) const {
     const double by_decay = q.grad[kDecay] * fit_.spin_decay_sd_per_m;
     const double air = std::sqrt(std::max(by_air(q, q, air_tolerance_), 0.0) + by_decay * by_decay);
-    if (!fit_.observations.ball_diameter_sd_m) return air > 0.0 ? std::optional(air) : std::nullopt;
-    const double derivative = q.grad[kDiameter] + dot(joint_gradient(q), by_diameter_);
-    return std::hypot(derivative * *fit_.observations.ball_diameter_sd_m, air);
+    const Observations& seen = fit_.observations;
+    if (!seen.ball_diameter_sd_m && !seen.shared_diameter_sd_m)
+      return air > 0.0 ? std::optional(air) : std::nullopt;
+    const double by_images = dot(joint_gradient(q), by_images_);
+    const double by_ball = q.grad[kDiameter] - fit_.joint.unknowns[kScale] * by_images;
+    return std::hypot(by_ball * seen.ball_diameter_sd_m.value_or(0.0),
+                      by_images * seen.shared_diameter_sd_m.value_or(0.0), air);
   }
 
   /// What a quotient's variance lacks to the first order, see fieller_reach(). Returns nullopt if the divisor
@@ -171,7 +175,7 @@ class Uncertainty {
 
   const ShotFit& fit_;
   std::vector<GroupRow> rows_;
-  JointVector by_diameter_{};
+  JointVector by_images_{};  ///< by what all their diameters are larger
   AirCovariance statistical_air_{};
   AirCovariance air_tolerance_{};
   bool any_estimated_ = false;

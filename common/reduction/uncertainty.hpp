@@ -42,12 +42,13 @@ enum class Source {
   scale,          ///< the calibrated one's
   map,            ///< one of the calibration's independent errors
   ball_diameter,  ///< its tolerance, where the frame states it
+  all_diameters,  ///< what they are off alike, likewise
   drag,           ///< tolerance of the drag coefficient
   lift_incoming,  ///< of the lift coefficient
   lift_rebound,   //
   spin_decay,     ///< of the spin's decay in flight
 };
-inline constexpr std::size_t kSourceCount = 14;
+inline constexpr std::size_t kSourceCount = 15;
 
 /// Whether all shots with the same rig, ball and calibration share its error.
 constexpr bool is_shared(Source source) { return source >= Source::scale; }

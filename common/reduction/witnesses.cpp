@@ -40,9 +40,9 @@ std::optional<Estimate> path_residuals_of(const ShotFit& fit) {
                  std::sqrt(0.5 / centres.degrees_of_freedom));
 }
 
-std::optional<Estimate> stated_scale(const Frame& frame) {
+std::optional<Estimate> stated_scale(const Frame& frame, const ShotFit& fit) {
   if (!frame.px_per_m) return std::nullopt;
-  const double by_ball = *frame.px_per_m * frame.ball_diameter_sd_m.value_or(0.0) / frame.ball_diameter_m;
+  const double by_ball = *frame.px_per_m * fit.observations.size_sd_m() / frame.ball_diameter_m;
   return if_told(*frame.px_per_m, std::hypot(frame.px_per_m_sd.value_or(0.0), by_ball));
 }
 
@@ -55,7 +55,7 @@ Result<PhotographWitnesses> photograph_witnesses(const Frame& frame) {
   if (!shot->fit || !shot->fit->observations.has_surface() || shot->fit->joint.degenerate()) return told;
   const ShotFit& fit = *shot->fit;
   told.calibrated = frame.px_per_m.has_value();
-  told.stated_px_per_m = stated_scale(frame);
+  told.stated_px_per_m = stated_scale(frame, fit);
   told.gravity_mps2 = local_gravity(fit);
   told.diameters_px_per_m = scale_by_diameters(fit);
   told.surface_rad = surface_on_photograph(fit);

@@ -285,8 +285,7 @@ class Digitizer {
     if (measured == std::ssize(result_.outlines) && hidden >= kMany && hidden > 2 * measured)
       result_.remarks.push_back(
           "the ball's images lie on each other along one line: of so many hardly one can be measured; leave "
-          "steps of "
-          "one to two diameters from flash to flash (plan: drop_height_m)");
+          "steps of one to two diameters from flash to flash (plan: drop_height_m)");
   }
 
   void measure_scale() {
@@ -297,10 +296,11 @@ class Digitizer {
       diameters.push_back(o.diameter);
       shared.push_back(o.shared_diameter_sd_px);
     }
+    result_.frame.shared_diameter_sd_px = median(std::move(shared));
     BallScale scale;
     scale.images = static_cast<int>(diameters.size());
     scale.diameter_px = median(std::move(diameters));
-    scale.diameter_sd_px = std::hypot(size.sd, median(std::move(shared)));
+    scale.diameter_sd_px = std::hypot(size.sd, *result_.frame.shared_diameter_sd_px);
     scale.px_per_m = scale.diameter_px / settings_.ball_diameter_m;
     scale.px_per_m_sd =
         scale.px_per_m * std::hypot(scale.diameter_sd_px / scale.diameter_px,

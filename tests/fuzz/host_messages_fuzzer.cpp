@@ -9,6 +9,7 @@
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/frame_2_t.hpp>
 #include <strobe_msgs/frame_3_t.hpp>
+#include <strobe_msgs/frame_4_t.hpp>
 #include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
 #include <strobe_msgs/status_t.hpp>
@@ -32,12 +33,13 @@ struct Kind {
   std::int64_t fingerprint;
 };
 
-const std::array<Kind, 6>& kinds() {
-  static const std::array<Kind, 6> all{{{Channel::event, strobe_msgs::event_t::getHash()},
+const std::array<Kind, 7>& kinds() {
+  static const std::array<Kind, 7> all{{{Channel::event, strobe_msgs::event_t::getHash()},
                                         {Channel::status, strobe_msgs::status_t::getHash()},
                                         {Channel::shot, strobe_msgs::shot_t::getHash()},
                                         {Channel::frame, strobe_msgs::frame_2_t::getHash()},
                                         {Channel::frame, strobe_msgs::frame_3_t::getHash()},
+                                        {Channel::frame, strobe_msgs::frame_4_t::getHash()},
                                         {Channel::frame, strobe_msgs::frame_t::getHash()}}};
   return all;
 }

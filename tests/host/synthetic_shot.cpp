@@ -124,6 +124,7 @@ void describe_frame(const Scenario& sc, SyntheticShot& made) {
   frame.source = "hand";
   frame.centre_sd_px = sc.noise_stated ? sc.noise_mm * 1e-3 * kPxPerM : unknown;
   frame.diameter_sd_px = frame.centre_sd_px;
+  frame.shared_diameter_sd_px = unknown;
   frame.surface_sd_px = unknown;
   frame.equator_sd_rad = sc.noise_stated ? sc.equator_noise_rad : unknown;
   frame.px_per_m = frame.px_per_m_sd = unknown;

@@ -154,7 +154,7 @@ TEST(FrameJson, TextThatIsNotJsonIsSaidByColumn) {
 TEST(FrameJson, ReadingAndWritingGivesTheSameBytesOfEveryField) {
   const std::string text =
       R"({"shot_id":-2147483648,"ball_diameter_m":0.0651,"ball_diameter_sd_m":0.0008,"surface_px":[[0.5,1.0],[10.0,1.5]],)"
-      R"("surface_sd_px":1.5,"centre_sd_px":2.0,"diameter_sd_px":3.0,"equator_sd_rad":0.017,"px_per_m":4000.0,)"
+      R"("surface_sd_px":1.5,"centre_sd_px":2.0,"diameter_sd_px":3.0,"shared_diameter_sd_px":0.5,"equator_sd_rad":0.017,"px_per_m":4000.0,)"
       R"("px_per_m_sd":8.0,"lens":{"distance_m":1.25,"foot_px":[640.0,-0.5]},"map_errors":[{"surface_px":[[0.5,0.0],[1.0,0.0]],"images":[[0.25,0.5,0.125,1e-05]]},)"
       R"({"surface_px":[],"images":[]}],"surface_angle_deg":-2.5,"temperature_c":21.0,"ball_mass_kg":0.058,"ball_alpha":0.5,"ball_alpha_sd":0.02,)"
       R"("air_density_kgpm3":1.1,"record":{"dry":"true","n":"12","operator":"Ä"},"images":[)"

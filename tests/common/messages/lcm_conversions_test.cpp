@@ -48,6 +48,7 @@ Frame example_frame() {
   frame.images[2].source = "auto";
   frame.images[2].centre_cov_px2 = {0.01, -0.002, -0.002, 0.02};
   frame.images[2].diameter_sd_px = 0.125;
+  frame.shared_diameter_sd_px = 0.0625;
   frame.images[2].equator_rad = 0.5;
   frame.images[2].equator_sd_rad = 0.0625;
   frame.images[2].equator_tilt_rad = -0.25, frame.images[2].equator_tilt_sd_rad = 0.03125;
@@ -152,6 +153,8 @@ TEST(FrameMessage, IsCheckedFieldByField) {
   positive("images[1].contact_width_px", [](M& m) -> double& { return m.images[1].contact_width_px; });
   positive("centre_sd_px", [](M& m) -> double& { return m.centre_sd_px; });
   positive("diameter_sd_px", [](M& m) -> double& { return m.diameter_sd_px; });
+  refused("shared_diameter_sd_px: must be positive, or NaN for unknown",
+          [](M& m) { m.shared_diameter_sd_px = -1.0; });
   positive("surface_sd_px", [](M& m) -> double& { return m.surface_sd_px; });
   positive("equator_sd_rad", [](M& m) -> double& { return m.equator_sd_rad; });
   positive("px_per_m", [](M& m) -> double& { return m.px_per_m; });
@@ -159,7 +162,7 @@ TEST(FrameMessage, IsCheckedFieldByField) {
   refused("px_per_m: must be positive, or NaN for unknown", [](M& m) { m.px_per_m = 0.0; });
   refused("surface[1]: must be two finite numbers", [](M& m) { m.surface[1].x_px = INFINITY; });
   refused("surface[0]: must be two finite numbers", [](M& m) { m.surface[0].y_px = kNone; });
-  refused("schema_version: is 1, known is 4", [](M& m) { m.schema_version = 1; });
+  refused("schema_version: is 1, known is 5", [](M& m) { m.schema_version = 1; });
   const char* const counts = "surface_count, image_count: do not fit the arrays";
   refused(counts, [](M& m) { m.image_count = 1000; });
   refused(counts, [](M& m) { m.surface_count = 3; });

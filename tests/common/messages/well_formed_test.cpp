@@ -15,6 +15,7 @@
 #include <strobe_msgs/flash_t.hpp>
 #include <strobe_msgs/frame_2_t.hpp>
 #include <strobe_msgs/frame_3_t.hpp>
+#include <strobe_msgs/frame_4_t.hpp>
 #include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/histogram_t.hpp>
 #include <strobe_msgs/note_t.hpp>
@@ -161,8 +162,10 @@ void check_is_read(Former former, std::size_t without) {
   const auto now = encoded(frame);
   constexpr std::size_t kPresent = 130, kHead = 12;  // an image; fingerprint and version
   const std::size_t former_image = kPresent - 8 * without;
-  std::vector<std::uint8_t> old(now.begin(), now.end() - 2 * kPresent);
-  for (auto at = now.end() - 2 * kPresent; at != now.end(); at += kPresent)
+  const auto end = now.end() - 8;  // of the images: what diameters are off alike follows
+  CHECK_TRUE(std::isnan(frame.shared_diameter_sd_px));
+  std::vector<std::uint8_t> old(now.begin(), end - 2 * kPresent);
+  for (auto at = end - 2 * kPresent; at != end; at += kPresent)
     old.insert(old.end(), at, at + former_image);
   CHECK_TRUE(std::equal(old.begin() + kHead, old.end(), bytes.begin() + kHead, bytes.end()));
   // Of another version it is nobody's.
@@ -191,6 +194,12 @@ TEST(ChecksOfMessages, AFrameOfBeforeItsImagesHadAProbabilityIsRead) {
   frame_t frame;
   CHECK_TRUE(decode_checked(frame, bytes.data(), bytes.size()));
   for (const auto& one : frame.images) CHECK_TRUE(std::isnan(one.probability));
+}
+
+TEST(ChecksOfMessages, AFrameOfBeforeItHadASharedSdIsRead) {
+  auto former = former_frame<strobe_msgs::frame_4_t>();
+  former.images[1].probability = 0.5;
+  check_is_read(former, 0);
 }
 
 TEST(ChecksOfMessages, AnImagesProbabilityIsAboveZeroToOneOrNaN) {
@@ -287,7 +296,8 @@ const std::map<std::string, Pin>& pins() {
       {"flash_t", {strobe_msgs::flash_t::getHash(), 0x6bcbfe82d3bd0204}},
       {"frame_2_t", {strobe_msgs::frame_2_t::getHash(), 0xa3be7c3c948983f8}},
       {"frame_3_t", {strobe_msgs::frame_3_t::getHash(), 0xe50eac53ec8bf289}},
-      {"frame_t", {strobe_msgs::frame_t::getHash(), 0x94cfb5cec6a96028}},
+      {"frame_4_t", {strobe_msgs::frame_4_t::getHash(), 0x94cfb5cec6a96028}},
+      {"frame_t", {strobe_msgs::frame_t::getHash(), 0x39169a17ceaf32a3}},
       {"histogram_t", {strobe_msgs::histogram_t::getHash(), 0x2ce6f085294c452f}},
       {"note_t", {strobe_msgs::note_t::getHash(), 0x2eae802baa5ddbbd}},
       {"plan_t", {strobe_msgs::plan_t::getHash(), 0x0b742a0ba6b4a4e8}},

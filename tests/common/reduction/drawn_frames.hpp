@@ -87,6 +87,7 @@ inline void add_statements(Frame& frame, double px_per_m) {
   if (one_in(3)) frame.px_per_m = px_per_m, frame.px_per_m_sd = px_per_m * over_decades(1e-3, 1e-2);
   if (one_in(3)) frame.ball_diameter_sd_m = over_decades(1e-4, 1e-3);
   if (one_in(3)) add_map_errors(frame);
+  if (one_in(3)) frame.shared_diameter_sd_px = px_per_m * over_decades(1e-5, 1e-4);
   const bool times_err = one_in(5), of_each = one_in(5), unread = one_in(5);
   for (reduction::BallImage& image : frame.images) {
     if (times_err) image.time_sd_s = 2e-6;

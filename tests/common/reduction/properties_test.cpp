@@ -447,6 +447,7 @@ std::vector<NamedNumber> numbers_of(Frame& f) {
           {"surface_sd_px", &f.surface_sd_px.emplace(2.0)},
           {"centre_sd_px", &f.centre_sd_px.emplace(2.0)},
           {"diameter_sd_px", &f.diameter_sd_px.emplace(2.0)},
+          {"shared_diameter_sd_px", &f.shared_diameter_sd_px.emplace(1.0)},
           {"equator_sd_rad", &f.equator_sd_rad.emplace(0.02)},
           {"px_per_m", &f.px_per_m.emplace(4000.0)},
           {"px_per_m_sd", &f.px_per_m_sd.emplace(8.0)},
@@ -484,6 +485,7 @@ Frame extreme_frame() {
   if (maybe()) frame.px_per_m = power(-9, 11);
   if (maybe()) frame.px_per_m_sd = maybe() ? 0.0 : power(-9, 11);
   if (maybe()) frame.ball_diameter_sd_m = 0.001;
+  if (maybe()) frame.shared_diameter_sd_px = power(-9, 11);
   if (maybe()) frame.temperature_c = 25.0;
   const int surface = *rc::gen::element(0, 2, 3, 4);
   for (int i = 0; i < surface; ++i) frame.surface_px.push_back({coordinate(), coordinate()});

@@ -166,8 +166,8 @@ Frame seen(Frame frame, const Similarity& by) {
     for (PointPx& p : error.surface_px) p = by.turned(p);
     for (MapError::Shift& s : error.images) s.centre_px = by.turned(s.centre_px), s.diameter_px *= by.scale;
   }
-  for (auto* length : {&frame.centre_sd_px, &frame.surface_sd_px, &frame.diameter_sd_px, &frame.px_per_m,
-                       &frame.px_per_m_sd})
+  for (auto* length : {&frame.centre_sd_px, &frame.surface_sd_px, &frame.diameter_sd_px,
+                       &frame.shared_diameter_sd_px, &frame.px_per_m, &frame.px_per_m_sd})
     if (*length) **length *= by.scale;
   return frame;
 }

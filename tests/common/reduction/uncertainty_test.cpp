@@ -67,6 +67,13 @@ const std::vector<Case>& cases() {
          add_map_errors(f);
        }},
       {"a twentieth of the noise", true, calibrate, 0.05},
+      {"diameters off alike", true, [](Frame& f) { f.shared_diameter_sd_px = 0.2; }},
+      {"diameters off alike, calibrated scale", true,
+       [](Frame& f) {
+         calibrate(f);
+         f.ball_diameter_sd_m = 5e-5;
+         f.shared_diameter_sd_px = 0.2;
+       }},
       {"flash times", true,
        [](Frame& f) {
          for (BallImage& image : f.images) image.time_sd_s = 20e-6;
@@ -239,11 +246,12 @@ TEST(Budget, OfSharedSourcesAloneHasTheSameLines) {
 TEST(Budget, NamesItsSources) {
   Frame frame = frame_of(cases()[6], Bounce{});
   frame.ball_diameter_sd_m = 5e-5;
+  frame.shared_diameter_sd_px = 0.1;
   const auto budget = uncertainty_budget(frame);
   std::string names;
   for (const BudgetSource& s : budget->sources) names += name_of(s) + "; ";
   STRCMP_EQUAL(
-      "centres; diameters; equators; surface points; scale; map error 2; ball diameter; "
+      "centres; diameters; equators; surface points; scale; map error 2; ball diameter; all diameters; "
       "drag coefficient; lift coefficient, incoming; lift coefficient, rebound; spin decay; ",
       names.c_str());
 }

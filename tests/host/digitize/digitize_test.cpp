@@ -330,6 +330,8 @@ TEST(Digitize, WithoutAScaleFindsTheBallsSizeAndSaysHowSure) {
   LONGS_EQUAL(found->frame.images.size(), found->scale->images);
   DOUBLES_EQUAL(kDiameter_px, found->scale->diameter_px, 5.0 * found->scale->diameter_sd_px);
   CHECK_TRUE(found->scale->diameter_sd_px < 0.01 * kDiameter_px);
+  CHECK_TRUE(found->frame.shared_diameter_sd_px > 0.0);
+  CHECK_TRUE(found->frame.shared_diameter_sd_px < found->scale->diameter_sd_px);
   DOUBLES_EQUAL(found->scale->diameter_px / kBall_m, found->scale->px_per_m, 1e-9);
 }
 

@@ -61,7 +61,7 @@ TEST(Python, ReadsALogsMessagesWithTheirSeals) {
 }
 
 TEST(Python, ReadsFramesOfFormerVersions) {
-  for (const char* version : {"2", "3"}) {
+  for (const char* version : {"2", "3", "4"}) {
     const std::string type = "frame_" + std::string(version) + "_t";
     const auto lines =
         jsons_of(python("import json, struct, strobe_log\n"
@@ -144,7 +144,7 @@ TEST(LcmSpy, FindsEveryTypeInTheJar) {
       "}\n");
   const auto run =
       testing::run_program({"java", "-cp", STROBE_LCM_JAR ":" STROBE_MESSAGES_JAR, folder / "Types.java"});
-  check_prints(run, {"Found 20 LCM types", "class strobe_msgs.shot_t"});
+  check_prints(run, {"Found 21 LCM types", "class strobe_msgs.shot_t"});
 #else
   std::puts("not built: the jar needs default-jdk-headless and liblcm-java");
 #endif
