@@ -51,9 +51,9 @@ inline constexpr double kInlier_px = 1.5;
 /// Of the level of saturation: noise and compression leave saturated pixels a little below it.
 inline constexpr double kSaturatedShare = 0.985;
 
-/// What no residual along a straight edge shows, as how the lens blurs it: on photographs of both renderers
-/// in good light lines are .015 px rms off, what the balls are off alike apart.
-inline constexpr double kEdgeFloor_px = 0.015;
+/// What no residual along a straight edge shows, as how the lens blurs it: the likeliest on photographs of 24
+/// looks by each of both renderers, on which errors over sds are then 1.07 and 1.01.
+inline constexpr double kEdgeFloor_px = 0.035;
 
 struct EdgeSamples {
   int top = 0;  ///< row of the first
