@@ -106,11 +106,8 @@ class Bands {
  private:
   static double step_px_of(const ImageDisc& disc) { return std::max(1.0, disc.radius / 20.0); }
 
-  /// What the lens spreads most of a limb, also out of focus.
-  static double limb_px(const ImageDisc& disc) {
-    constexpr double kLimb_px = 4.0;
-    return std::max(kLimb_px, kDoubtful_sd * disc.blur_px);
-  }
+  /// What the lens spreads most of a limb.
+  static double limb_px(const ImageDisc& disc) { return kDoubtful_sd * disc.blur_px; }
 
   /// The factor by which the flash's profile fits best.
   std::optional<double> share_of(const Section& section) const {
