@@ -30,8 +30,6 @@ constexpr double kMaxReach = 3.0;  ///< of the half length seen
 // A plate in the middle of which balls are to bounce is no less deep than they are wide on either side.
 constexpr double kDepthOfDiameter = 2.0;
 constexpr double kOccludedRadii = 1.08;
-// What of an outline is seen so far below a line, and beyond its blur, is not just pressed flat there.
-constexpr double kBelowOfRadius = 0.06;
 constexpr double kMaxCirclesBelow = 0.5;
 // Of outlines that no surface at the line allows, one in so many may be false, e.g. a clamp's. One of fewer
 // is too much of what tells where the surface can be.
@@ -76,7 +74,7 @@ double circles_below(const EdgeLine& edge, std::span<const Outline> outlines) {
   double circles = 0.0;
   for (const Outline& o : outlines) {
     const double radius = 0.5 * o.diameter;
-    const double allowed = std::max(kBelowOfRadius * radius, kDoubtful_sd * o.blur_px);
+    const double allowed = kDoubtful_sd * o.blur_px;  // what is pressed flat there
     const double deepest = edge.at(o.centre.x) - o.centre.y + radius * std::hypot(1.0, edge.slope);
     if (deepest <= allowed) continue;  // no arc of it is
     for (const Arc& arc : o.visible_arcs) {
