@@ -72,19 +72,18 @@ namespace {
 constexpr double kLikely = 0.5;
 constexpr std::size_t kMinImages = 4;
 constexpr double kCloseOfStep = 0.5;
-// Of the median interval, where the flashes' times are not known: trains that tell their flashes apart by
-// unequal intervals have none shorter, and neither lamp flashes that fast again. An outline that near to
-// another borrows most of its limb, and its probability.
-constexpr double kMinIntervalOfUnknown = 0.2;
+// Trains tell their flashes apart by unequal intervals: of their logarithms about the median's.
+constexpr double kSdOfLogInterval = 0.65;
+// Of the median interval, where the flashes' times are not known. An outline that near to another borrows
+// most of its limb, and its probability.
+const double kMinIntervalOfUnknown = std::exp(-kDoubtful_sd * kSdOfLogInterval);
 
-/// What it adds that a step is so short, where the flashes' times are not known. Trains tell their flashes
-/// apart by unequal intervals: their logarithms have an sd of .65 about the median's, so that one in 150 is
-/// less than a fifth of it. What is no ball lies anywhere between two: the log odds are of a log-normal
-/// density over an even one, alike where nothing is said.
+/// What it adds that a step is so short, where the flashes' times are not known. What is no ball lies
+/// anywhere between two: the log odds are of a log-normal density over an even one, alike where nothing is
+/// said.
 double log_odds_of_step(double of_median) {
-  constexpr double kSd = 0.65;
   const double log_step = std::log(std::max(of_median, 1e-3));
-  return std::min(0.0, -0.5 * log_step * log_step / (kSd * kSd) - log_step);
+  return std::min(0.0, -0.5 * log_step * log_step / (kSdOfLogInterval * kSdOfLogInterval) - log_step);
 }
 
 class PathLeg {
