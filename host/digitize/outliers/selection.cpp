@@ -71,7 +71,7 @@ namespace {
 // More likely than not.
 constexpr double kLikely = 0.5;
 constexpr std::size_t kMinImages = 4;
-constexpr double kCloseOfStep = 0.5;
+constexpr double kCloseOfStep = 0.5;  // nearer to no step than to one
 // Trains tell their flashes apart by unequal intervals: of their logarithms about the median's.
 constexpr double kSdOfLogInterval = 0.65;
 // Of the median interval, where the flashes' times are not known. An outline that near to another borrows
