@@ -16,6 +16,9 @@ struct Mean {
   double value() const { return sum / weight; }
 };
 
+// Of fewer numbers a mean or a median says nothing of how they scatter.
+constexpr std::size_t kMinOfMean = 3;
+
 // Places across the path, in the ball's radii: where it is, but for the blurred limb, and beside it.
 constexpr double kBandEdge = 0.95, kSideFrom = 1.1, kSideTo = 1.6;
 
@@ -89,7 +92,6 @@ class Bands {
 
   /// Of a flash's light, median along the way; absent where too little of it is seen.
   std::optional<double> share_between(const ImageDisc& from, const ImageDisc& to) const {
-    constexpr std::size_t kMinSections = 3;
     const cv::Point2d way = to.centre - from.centre;
     const double length = cv::norm(way), step_px = step_px_of(from);
     const cv::Point2d along = way / length, across(-along.y, along.x);
@@ -99,7 +101,7 @@ class Bands {
       if (const auto share = share_of({from.centre + t * along, across, radius, step_px / radius}))
         shares.push_back(*share);
     }
-    if (shares.size() < kMinSections) return std::nullopt;
+    if (shares.size() < kMinOfMean) return std::nullopt;
     return median(std::move(shares));
   }
 
@@ -129,13 +131,12 @@ class Bands {
   }
 
   std::optional<Beside> beside(const Section& section) const {
-    constexpr double kMinPixels = 3.0;
     std::array<Mean, 2> sides;
     for (double s = kSideFrom; s <= kSideTo; s += section.step) {
       if (const auto light = value(section.at(s), nullptr)) sides[0].add(*light);
       if (const auto light = value(section.at(-s), nullptr)) sides[1].add(*light);
     }
-    if (sides[0].weight < kMinPixels || sides[1].weight < kMinPixels) return std::nullopt;
+    if (std::min(sides[0].weight, sides[1].weight) < static_cast<double>(kMinOfMean)) return std::nullopt;
     return Beside{sides[0].value(), sides[1].value()};
   }
 
@@ -165,7 +166,6 @@ ImageDisc image_disc(const PlaneMap& map, const Outline& outline) {
 
 std::optional<double> ambient_share(const Photograph& photograph, std::span<const ImageDisc> discs,
                                     std::span<const Flight> flights) {
-  constexpr std::size_t kMinFlights = 3;
   Bands bands(photograph, discs);
   for (const Flight& flight : flights) {
     const cv::Point2d way = discs[flight.to].centre - discs[flight.from].centre;
@@ -180,7 +180,7 @@ std::optional<double> ambient_share(const Photograph& photograph, std::span<cons
     if (const auto share = bands.share_between(discs[flight.from], discs[flight.to]))
       shares.push_back(*share);
   }
-  if (shares.size() < kMinFlights) return std::nullopt;
+  if (shares.size() < kMinOfMean) return std::nullopt;
   // Of an even number the lower of the middle ones.
   std::ranges::sort(shares);
   return std::max(0.0, shares[(shares.size() - 1) / 2]);
