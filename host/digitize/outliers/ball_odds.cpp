@@ -11,10 +11,6 @@ namespace strobe::digitize {
 
 namespace {
 
-// The path comes nearer, and what lies under a limb moves it: one ball in twenty is not of the others'
-// size.
-constexpr double kOfAnySize = 0.05;
-
 double normal_density(double off, double sd) {
   return std::exp(-0.5 * off * off / (sd * sd)) / (std::sqrt(2.0 * std::numbers::pi) * sd);
 }
@@ -44,17 +40,17 @@ double log_odds_of_size(const Outline& outline, const SizeModel& size) {
   const double sd = std::hypot(std::hypot(outline.diameter_sd(), kSdOfDiameter * expected),
                                std::hypot(size.sd, size.spread));
   const double density = normal_density(outline.diameter - expected, sd);
-  return std::log(kOfAnySize + (1.0 - kOfAnySize) * density * kRangeOfDiameter * expected);
+  return std::log(kUnlikeOthers + (1.0 - kUnlikeOthers) * density * kRangeOfDiameter * expected);
 }
 
 double moved_limb_px(const Outline& outline, const SizeModel& size) {
   const double expected = size.at(outline.centre.x), off = outline.diameter - expected;
   const double sd = std::hypot(outline.diameter_sd(), size.sd, size.spread);
-  const double moved = kOfAnySize * normal_density(off, std::hypot(sd, kSdOfDiameter * expected));
-  const double as_it_is = (1.0 - kOfAnySize) * normal_density(off, sd);
+  const double moved = kUnlikeOthers * normal_density(off, std::hypot(sd, kSdOfDiameter * expected));
+  const double as_it_is = (1.0 - kUnlikeOthers) * normal_density(off, sd);
   if (!(moved > 0.0)) return 0.0;  // farther off than numbers tell, as no ball is
   // What is of any other size is none of the balls.
-  const double a_ball = 1.0 - kOfAnySize / std::exp(log_odds_of_size(outline, size));
+  const double a_ball = 1.0 - kUnlikeOthers / std::exp(log_odds_of_size(outline, size));
   return std::abs(off) * std::sqrt(a_ball * moved / (moved + as_it_is));
 }
 

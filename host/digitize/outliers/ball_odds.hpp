@@ -14,6 +14,10 @@
 
 namespace strobe::digitize {
 
+/// One ball in twenty does not look like the others, as something lies under its limb or hides it: it may be
+/// of any size, or of any light.
+inline constexpr double kUnlikeOthers = 0.05;
+
 double probability(double log_odds);
 
 /// How many of a picture's outlines are balls' differs from picture to picture: log odds of any of them, from

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "host/digitize/core/statistics.hpp"
+#include "host/digitize/outliers/ball_odds.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -14,10 +15,9 @@ namespace {
 // Logarithms of the light of one disc over that of another. Flashes of one train differ by at most 30 % in
 // energy, and their lamps' light falls off with the way from ball to ball.
 constexpr double kFlashVariance = 0.04, kVariancePerDiameter = 0.05;
-// Of one ball in twenty another thing, as light as itself, hides more or less of the limb, so that any share
-// from a twentieth (e^-3) on is as likely: of 1506 images on altered renders 2 % show less than half of the
-// next one's.
-constexpr double kHidden = 0.05, kRangeOfHidden = 3.0;
+// Where another thing, as light as the ball, hides more or less of the limb, any share from a twentieth
+// (e^-3) on is as likely: of 1506 images on altered renders 2 % show less than half of the next one's.
+constexpr double kRangeOfHidden = 3.0;
 // Where the level of ambient light is not known: from a twentieth to a quarter of a flash's.
 constexpr double kGhostMean = -2.0, kGhostSd = 0.6;
 // Where it is measured, about that; but on one in ten of 178 renders with a trail less than a third of it
@@ -56,7 +56,7 @@ struct Level {
 double log_odds_of_share(double share, double apart_of_diameter, const Level& level) {
   const double sd = std::sqrt(kFlashVariance + kVariancePerDiameter * apart_of_diameter);
   const double log_share = std::min(0.0, log_of(share));
-  const double ball = kHidden / kRangeOfHidden + (1.0 - kHidden) * density(-log_share, 0.0, sd);
+  const double ball = kUnlikeOthers / kRangeOfHidden + (1.0 - kUnlikeOthers) * density(-log_share, 0.0, sd);
   return std::log(ball / level.density_of_ghost(log_share));
 }
 
