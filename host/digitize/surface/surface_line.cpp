@@ -27,7 +27,8 @@ constexpr double kAsLong = 0.6;
 // Of the clearer edge's contrast: fainter ones are the background's.
 constexpr double kAsClear = 0.05;
 constexpr double kMaxReach = 3.0;  ///< of the half length seen
-// A plate in the middle of which balls are to bounce is no less deep than they are wide on either side.
+// Of rigs: a plate in the middle of which balls are to bounce is no less deep than they are wide on either
+// side.
 constexpr double kDepthOfDiameter = 2.0;
 constexpr double kOccludedRadii = 1.08;
 constexpr double kMaxCirclesBelow = 0.5;
