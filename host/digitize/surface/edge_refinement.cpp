@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kMaxSteps = 20;
 constexpr double kConverged_px = 1e-3;
-constexpr double kMaxAway_px = 2.0;
+constexpr double kMaxAway_px = 2.0 * kInlier_px;  // farther off it is another edge
 constexpr int kMinSamples = 5;
 
 /// A cumulative distribution of sd 1 and its integral.

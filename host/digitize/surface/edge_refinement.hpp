@@ -28,9 +28,9 @@ struct StepFit {
   double variance = 0.0;  ///< of `at`, for samples of variance 1
 };
 
-/// The samples within 3 sd and 2 px of `start`, dark first. `saturation`: samples of that intensity or more
+/// The samples within 3 sd and 3 px of `start`, dark first. `saturation`: samples of that intensity or more
 /// count only where the step is below them. Returns nullopt for fewer than 5 samples within, if there is no
-/// step, or if it is farther than 2 px from the start.
+/// step, or if it is farther than 3 px from the start.
 std::optional<StepFit> fit_step(std::span<const double> intensity, double saturation, double start,
                                 const StepShape& shape);
 
