@@ -158,7 +158,8 @@ constexpr std::size_t kProfilesForBlur = 24;
 constexpr double kMinBlur_px = 0.2, kBlurRatio = 1.5;
 constexpr double kMaxBlur_px = kProfileHalfReach_px / 3.0;
 constexpr int kRounds = 6;
-constexpr double kCutOff_px = 1.0;
+// The steepest rise of an edge that is cut off is anywhere up to kMaxAway_px to the dark side of it: rms.
+constexpr double kCutOff_px = kMaxAway_px * std::numbers::inv_sqrt3;
 
 struct Profile {
   EdgeSamples samples;
@@ -325,7 +326,6 @@ class Profiles {
   std::vector<Profile> profiles_;
 };
 
-/// The steepest rise of an edge that is cut off is some px to the dark side of it.
 EdgeLine as_it_is(EdgeLine edge, bool saturated) {
   if (saturated) edge.sd_px = std::hypot(edge.sd_px, kCutOff_px);
   return edge;
