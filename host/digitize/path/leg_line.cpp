@@ -173,7 +173,6 @@ namespace {
 
 constexpr double kLegCost = 0.5;
 constexpr double kLegCostBlind = 1.2;
-constexpr double kMinSlope = 0.03;  // as good as parallel to the surface, or as straight above a place
 // Without a surface one photograph in ten may have a second leg of what is no ball. A line at random meets
 // the first leg's within a contact of its end in one of six photographs (18 diameters wide), begins within as
 // much from there in one of six, and leads upwards in one of two.
@@ -231,7 +230,7 @@ class LegPair {
     const cv::Point2d apex = a.origin + s * a.along;
     for (const LegLine* leg : {&a, &b}) {
       const cv::Point2d far = far_end(points_, *leg, apex) - apex;
-      if (far.y < kMinSlope * cv::norm(far)) return false;
+      if (far.y < kSameDirection * cv::norm(far)) return false;
       double nearest = std::numeric_limits<double>::infinity();
       for (const int i : leg->members) {
         const double place = (point_at(points_, i).at - apex).dot(far) / cv::norm(far);
@@ -288,10 +287,12 @@ class LegPair {
 }  // namespace
 
 std::optional<Crossing> crossing(const LegLine& line, double diameter_px) {
-  if (std::abs(line.along.y) < kMinSlope) return std::nullopt;
+  if (std::abs(line.along.y) < kSameDirection) return std::nullopt;
   const double s = (0.5 * diameter_px - line.origin.y) / line.along.y;
   const cv::Point2d up = line.along.y > 0 ? line.along : -line.along;
-  return Crossing{line.origin.x + s * line.along.x, up.x > kMinSlope ? 1.0 : up.x < -kMinSlope ? -1.0 : 0.0};
+  return Crossing{line.origin.x + s * line.along.x, up.x > kSameDirection    ? 1.0
+                                                    : up.x < -kSameDirection ? -1.0
+                                                                             : 0.0};
 }
 
 cv::Point2d far_end(std::span<const PathPoint> points, const LegLine& leg, cv::Point2d from) {
