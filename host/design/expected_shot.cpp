@@ -118,6 +118,17 @@ std::optional<Stated> by_digitizer(const Projected& image, const Overlap& overla
       sds->equator_found};
 }
 
+/// What the digitizer states that all diameters are off alike, of the sds that it states of each: .5 to .7 on
+/// photographs of either renderer.
+constexpr double kSharedOfDiameterSd = 0.6;
+
+std::optional<double> shared_diameter_sd_px(const reduction::Frame& frame) {
+  if (frame.images.empty()) return std::nullopt;
+  double sum_px = 0.0;
+  for (const BallImage& image : frame.images) sum_px += *image.diameter_sd_px;
+  return kSharedOfDiameterSd * sum_px / static_cast<double>(frame.images.size());
+}
+
 /// Images that lie on the same place of its outline, itself included.
 int depth_of(const Overlap& overlap) {
   const auto deepest = std::ranges::find_if(overlap.shares.rbegin(), overlap.shares.rend(),
@@ -199,6 +210,8 @@ ExpectedShot expected_shot(const BallCourse& course, const BallDraw& draw, const
   }
   for (std::size_t i = shot.frame.images.size(); i-- > 0;)
     shot.frame.images[i].time_s -= shot.frame.images.front().time_s;
+  if (set_up.measured_by != MeasuredBy::hand)
+    shot.frame.shared_diameter_sd_px = shared_diameter_sd_px(shot.frame);
   set_calibration(set_up.camera, shot.frame);
   return shot;
 }
@@ -211,9 +224,12 @@ reduction::Frame with_noise(reduction::Frame frame, std::uint64_t seed) {
     p.y += sd_px * normal(engine);
   };
   for (PointPx& p : frame.surface_px) move(p, frame.surface_sd_px.value_or(0.0));
+  const double shared_sd_px = frame.shared_diameter_sd_px.value_or(0.0),
+               shared_px = shared_sd_px * normal(engine);
   for (BallImage& image : frame.images) {
     move(image.centre_px, std::sqrt((*image.centre_cov_px2)[0]));
-    image.diameter_px += *image.diameter_sd_px * normal(engine);
+    const double own_variance = std::pow(*image.diameter_sd_px, 2) - shared_sd_px * shared_sd_px;
+    image.diameter_px += shared_px + std::sqrt(std::max(0.0, own_variance)) * normal(engine);
     if (image.equator_rad) *image.equator_rad += *image.equator_sd_rad * normal(engine);
   }
   return frame;

@@ -186,6 +186,22 @@ TEST(Prediction, OfAMeanHasASharedPartThatStays) {
   DOUBLES_EQUAL(1.96 * 4.0, q.expanded(1000000), 0.01);
 }
 
+TEST(Prediction, WhatTheDigitizersDiametersAreOffAlikeStaysInAMean) {
+  SetUp s = exact_set_up();
+  s.camera.px_per_m_sd.reset();  // the diameters tell the scale
+  const auto shared = [&](MeasuredBy by) {
+    s.measured_by = by;
+    const auto p = predict(steady_ball(), s, train_of(even(6, 0.002, 0.0025)), {.balls = 4, .match = false});
+    CHECK_TRUE(p.has_value());
+    LONGS_EQUAL(4, p->readable);
+    return p->of(Quantity::v_td_mps)->shared_sd / p->of(Quantity::v_td_mps)->mean;
+  };
+  // Some hundredths of a px of a ball of hundreds; the ball itself is exact, and so is what a person reads.
+  const double by_digitizer = shared(MeasuredBy::digitizer);
+  CHECK_TRUE(by_digitizer > 3e-5 && by_digitizer < 5e-4);
+  CHECK_TRUE(shared(MeasuredBy::hand) < 1e-6);
+}
+
 TEST(Prediction, CountsTheShotsThatAreNeeded) {
   Prediction p;
   PredictedQuantity q;
