@@ -34,14 +34,8 @@ class Collector {
       add({.source = Source::map, .number = static_cast<int>(i) + 1, .input_sd = 1.0, .input_unit = "sd"},
           [i](ShotFit& fit, double sds) { shift(fit.observations.map_errors[i], sds, fit.observations); });
     }
-    if (const auto sd_m = seen().ball_diameter_sd_m; sd_m && *sd_m > 0.0) {
-      add({.source = Source::ball_diameter, .input_sd = 1e3 * *sd_m, .input_unit = "mm"},
-          [sd = *sd_m](ShotFit& fit, double sds) { enlarge_ball(fit.observations, sds * sd); });
-    }
-    if (const auto sd_m = seen().shared_diameter_sd_m; sd_m && *sd_m > 0.0) {
-      add({.source = Source::all_diameters, .input_sd = 1e3 * *sd_m, .input_unit = "mm"},
-          [sd = *sd_m](ShotFit& fit, double sds) { enlarge_images(fit.observations, sds * sd); });
-    }
+    size(Source::ball_diameter, seen().ball_diameter_sd_m.value_or(0.0), enlarge_ball);
+    size(Source::all_diameters, seen().shared_diameter_sd_m.value_or(0.0), enlarge_images);
     air(false);
     spin_decay();
     believe_noise();
@@ -54,6 +48,12 @@ class Collector {
   void add(const BudgetSource& source, std::function<void(ShotFit&, double)> move) {
     inputs_.sources.push_back(source);
     add_to_last(std::move(move));
+  }
+
+  void size(Source source, double sd_m, void (*enlarge)(Observations&, double by_m)) {
+    if (!(sd_m > 0.0)) return;
+    add({.source = source, .input_sd = 1e3 * sd_m, .input_unit = "mm"},
+        [enlarge, sd_m](ShotFit& fit, double sds) { enlarge(fit.observations, sds * sd_m); });
   }
 
   void add_to_last(std::function<void(ShotFit&, double)> move) {

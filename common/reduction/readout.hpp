@@ -156,7 +156,7 @@ using SpinEvidenceSet = EnumSet<SpinEvidence, kSpinEvidenceNames.size()>;
 struct Numbers {
   Quantities value;
   Quantities sd;             ///< statistical standard deviation, given the ball's diameter
-  Quantities sd_systematic;  ///< standard deviation from the tolerances of the ball's diameter and of the air
+  Quantities sd_systematic;  ///< sd from the tolerances of the ball, of all diameters and of the air
   /// Of sd, where noise was estimated: effective ones (Welch-Satterthwaite). Absent: infinitely many.
   Quantities degrees_of_freedom;
 };

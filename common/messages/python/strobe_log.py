@@ -32,8 +32,8 @@ _FORMER_TYPES = {"FRAME": ["frame_4_t", "frame_3_t", "frame_2_t"]}
 Seal = collections.namedtuple("Seal", "fingerprint sender number")
 
 #: One record of a log. utc_us: when it was written, microseconds since 1970. message: an object of strobe_msgs; None if
-#: the bytes are no message of a version known; a FRAME of former logs is a frame_4_t, frame_3_t or frame_2_t. seal: None if the
-#: packet has none. verified: whether the seal is the given key's; None where no key was given.
+#: the bytes are no message of a version known; a FRAME of former logs is a frame_4_t, frame_3_t or frame_2_t. seal:
+#: None if the packet has none. verified: whether the seal is the given key's; None where no key was given.
 Record = collections.namedtuple("Record", "utc_us channel kind message seal verified")
 
 

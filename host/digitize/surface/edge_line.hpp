@@ -52,7 +52,7 @@ inline constexpr double kInlier_px = 1.5;
 inline constexpr double kSaturatedShare = 0.985;
 
 /// What no residual along a straight edge shows, as how the lens blurs it: the likeliest on photographs of 24
-/// looks by each of both renderers, on which errors over sds are then 1.07 and 1.01.
+/// looks by each of both renderers, on which errors over sds are then 1.06 and 1.00.
 inline constexpr double kEdgeFloor_px = 0.035;
 
 struct EdgeSamples {
