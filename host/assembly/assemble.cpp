@@ -129,17 +129,30 @@ void set_times(Frame& frame, const FlashTimes& times, const matching::FlashAssig
   }
 }
 
+/// From the first on. An image that no flash made under this hypothesis is in contact, where no number
+/// depends on its time: it is put between those beside it, so that the times ascend.
+std::vector<double> times_after_first(const FlashTimes& times, const std::vector<int>& flash) {
+  const auto time_s = [&](std::size_t i) {
+    const auto at = [&](std::size_t k) { return times.seen[static_cast<std::size_t>(flash[k])].time; };
+    return to_seconds(at(i) - at(0));
+  };
+  std::vector<double> result;
+  result.reserve(flash.size());
+  for (std::size_t i = 0; i < flash.size(); ++i) {
+    std::size_t next = i;
+    while (flash[next] == matching::kNoFlash) ++next;
+    const double share = 1.0 / static_cast<double>(next - i + 1);
+    result.push_back(next == i ? time_s(i) : result.back() + share * (time_s(next) - result.back()));
+  }
+  return result;
+}
+
 std::vector<reduction::AssignedTimes> assigned_times(const FlashTimes& times,
                                                      const matching::FlashMatch& match) {
   std::vector<reduction::AssignedTimes> assigned;
   assigned.reserve(match.hypotheses.size());
-  for (const matching::FlashAssignment& hypothesis : match.hypotheses) {
-    reduction::AssignedTimes& one = assigned.emplace_back(reduction::AssignedTimes{{}, hypothesis.weight});
-    one.time_s.reserve(hypothesis.flash.size());
-    const MonoTime first = times.seen[static_cast<std::size_t>(hypothesis.flash.front())].time;
-    for (const int flash : hypothesis.flash)
-      one.time_s.push_back(to_seconds(times.seen[static_cast<std::size_t>(flash)].time - first));
-  }
+  for (const matching::FlashAssignment& hypothesis : match.hypotheses)
+    assigned.push_back({times_after_first(times, hypothesis.flash), hypothesis.weight});
   return assigned;
 }
 
@@ -159,11 +172,22 @@ AssembledShot unmatched(AssembledShot& shot, Flag flag, std::string problem) {
   return std::move(shot);
 }
 
+/// One that is a ball's by its looks contradicts the others.
 void leave_out(std::size_t image, matching::Track& track, AssembledShot& shot) {
   const auto at = static_cast<std::ptrdiff_t>(image);
+  if (track.images[image].probability > 0.5) shot.flags.set(Flag::outlier_image);
   track.images.erase(track.images.begin() + at);
   shot.frame.images.erase(shot.frame.images.begin() + at);
-  shot.flags.set(Flag::outlier_image);
+}
+
+/// The images that no flash made under the likeliest hypothesis.
+void leave_out_unmatched(matching::FlashMatch& match, matching::Track& track, AssembledShot& shot) {
+  for (std::size_t i = track.images.size(); i-- > 0;) {
+    if (match.hypotheses.front().flash[i] != matching::kNoFlash) continue;
+    leave_out(i, track, shot);
+    for (matching::FlashAssignment& one : match.hypotheses)
+      one.flash.erase(one.flash.begin() + static_cast<std::ptrdiff_t>(i));
+  }
 }
 
 /// Which flashes made the images. One that none made is left out of track and shot.
@@ -176,10 +200,12 @@ std::optional<matching::FlashMatch> matched(const FlashTimes& times,
     times_s.push_back(to_seconds(flash.time - times.seen.front().time));
   auto match = matching::match_flashes(times_s, track, prior);
   if (!match) return std::nullopt;
-  auto found = matching::find_false_image(times_s, track, prior, *match);
-  if (!found) return match;
-  leave_out(found->image, track, shot);
-  return std::move(found->match);
+  if (auto found = matching::find_false_image(times_s, track, prior, *match)) {
+    leave_out(found->image, track, shot);
+    match = std::move(found->match);
+  }
+  leave_out_unmatched(*match, track, shot);
+  return match;
 }
 
 bool no_sensor_fired(const FlashTimes& times, const shot_t& shot) {

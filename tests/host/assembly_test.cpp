@@ -233,6 +233,37 @@ TEST(Assembly, UnequalIntervalsPinTheOffsetWhateverTheMachineDid) {
   }
 }
 
+/// Beside the first image in contact, three of the model's sds off, one that is no ball's.
+SyntheticShot with_another_in_contact(double probability) {
+  SyntheticShot made = make_shot({});
+  auto& images = made.frame.images;
+  for (auto& image : images) image.probability = 0.999;
+  const auto contact = std::ranges::find(images, strobe_msgs::ball_image_t::LEG_CONTACT,
+                                         &strobe_msgs::ball_image_t::leg);
+  CHECK_TRUE(contact != images.end());
+  auto another = *contact;
+  another.probability = probability;
+  another.centre_x_px += 0.15 * another.diameter_px;
+  images.insert(contact + 1, another);
+  made.frame.image_count = static_cast<std::int32_t>(images.size());
+  return made;
+}
+
+TEST(Assembly, ADoubtfulImageInContactThatNoFlashMadeIsLeftOutAndTheTimesStay) {
+  const SyntheticShot made = with_another_in_contact(0.3);
+  const AssembledShot shot = assembled(made);
+  CHECK_EQUAL("", flags_of(shot.flags));  // the frame said itself that it is rather none
+  CHECK_EQUAL(made.image_flash, flashes_of(shot));
+  CHECK(worst_z(readout(made), {}) < kMaxZ);
+}
+
+TEST(Assembly, AnImageInContactThatContradictsAllOthersIsFlaggedThoughItLooksLikeTheBall) {
+  const SyntheticShot made = with_another_in_contact(0.7);
+  const AssembledShot shot = assembled(made);
+  CHECK_EQUAL(made.image_flash, flashes_of(shot));
+  CHECK_EQUAL("outlier_image ", flags_of(shot.flags));
+}
+
 TEST(Assembly, AGapThatContactDoesNotDecideIsAmbiguous) {
   // Straight down: neither the way along the surface nor a contact image tells one flash from two in contact.
   Scenario sc;

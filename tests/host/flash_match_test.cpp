@@ -171,7 +171,9 @@ TEST(ArrivalPriors, OneImageBeforeTheBounceTellsNoSpeedForTheGate) {
 TEST_GROUP(ContactFlashes) {
   // Down at 0 s and x = 0 with (6, -5) m/s, off at 4 ms and x = 16 mm with (3, 4) m/s; 1000 px to the metre, a
   // flash every 0.5 ms.
-  matching::Track track{.images = {}, .radius_px = 32.0, .px_per_m = 1000.0, .sd_px = 0.2};
+  // Flashes without an image cost nothing unless a test says so.
+  matching::Track track{
+      .images = {}, .radius_px = 32.0, .px_per_m = 1000.0, .sd_px = 0.2, .missed_share = 1.0};
   std::vector<double> times_s;
   matching::LegCandidate in, out;
 
@@ -207,6 +209,12 @@ TEST_GROUP(ContactFlashes) {
     for (const double t : at_s) images.push_back({Leg::contact, pressed(t)});
     return matching::ContactMatcher(images, times_s, track).match(in, out);
   }
+
+  /// Where the ball was at 2 ms, and `off_px` along the surface from there.
+  std::vector<matching::TrackPoint> ball_and_another(double off_px, double probability) const {
+    const Vector2d ball = pressed(2e-3);
+    return {{Leg::contact, ball}, {Leg::contact, ball + Vector2d(off_px, 0.0), 1.0, probability}};
+  }
 };
 
 TEST(ContactFlashes, AreThoseWhereTheBallWas) {
@@ -215,7 +223,7 @@ TEST(ContactFlashes, AreThoseWhereTheBallWas) {
     for (int b = a + 1; b <= 7; ++b) {
       const auto found = matched({a * 5e-4, b * 5e-4});
       CHECK_EQUAL((std::vector<int>{10 + a, 10 + b}), found.flash);
-      DOUBLES_EQUAL(0.0, found.chi_squared, 1e-12);
+      DOUBLES_EQUAL(0.0, found.penalty, 1e-12);
     }
   }
 }
@@ -228,7 +236,60 @@ TEST(ContactFlashes, CostMoreTheFurtherTheyAreFromThere) {
   const double variance = 0.2 * 0.2 + 3.0 * 3.0, depth = 32.0 - flash.y();
   const double expected = std::pow(ball.x() - flash.x(), 2) / variance +
                           std::pow(ball.y() - flash.y(), 2) / (variance + std::pow(0.15 * depth, 2));
-  DOUBLES_EQUAL(expected, found.chi_squared, 1e-9);
+  DOUBLES_EQUAL(expected, found.penalty, 1e-9);
+}
+
+TEST(ContactFlashes, WithoutAnImageCostByTheShareThatIsMissed) {
+  track.missed_share = 0.01;  // of the nine flashes between the legs two have an image
+  DOUBLES_EQUAL(-2.0 * 7.0 * std::log(0.01), matched({1e-3, 2e-3}).penalty, 1e-9);
+}
+
+TEST(ContactFlashes, OfADoubtfulImageFarFromWhereTheBallWasAreNone) {
+  // The next flash found the ball 2 mm on, this one is 15 mm on: five sds.
+  const auto images = ball_and_another(15.0, 0.6);
+  const auto found = matching::ContactMatcher(images, times_s, track).match(in, out);
+  CHECK_EQUAL((std::vector<int>{14, matching::kNoFlash}), found.flash);
+  // An image of the ball would have cost two in the mean.
+  DOUBLES_EQUAL(2.0 - 2.0 * std::log(0.4), found.penalty, 1e-9);
+}
+
+TEST(ContactFlashes, OfAnImageWhereTheBallWasAreSomeThoughItIsDoubtful) {
+  const auto images = ball_and_another(pressed(2.5e-3).x() - pressed(2e-3).x(), 0.6);
+  CHECK_EQUAL((std::vector<int>{14, 15}),
+              matching::ContactMatcher(images, times_s, track).match(in, out).flash);
+}
+
+TEST(ContactFlashes, OfACertainImageAreSomeHoweverFarOffItIs) {
+  const auto images = ball_and_another(100.0, 1.0);
+  const auto found = matching::ContactMatcher(images, times_s, track).match(in, out);
+  CHECK_TRUE(found.flash[1] > found.flash[0]);
+  CHECK_TRUE(found.penalty > 50.0);
+}
+
+TEST(ContactFlashes, AreNotSharedByTwoImages) {
+  const matching::LegCandidate before = leg({0.0, 32.0}, 0.0, {6000.0, -5000.0}, {4, 7, 13});
+  const matching::LegCandidate after = leg({16.0, 32.0}, 4e-3, {3000.0, 4000.0}, {15, 22, 25});
+  const auto likely = ball_and_another(1.0, 0.9), certain = ball_and_another(1.0, 1.0);
+  CHECK_EQUAL((std::vector<int>{14, matching::kNoFlash}),
+              matching::ContactMatcher(likely, times_s, track).match(before, after).flash);
+  CHECK_TRUE(std::isinf(matching::ContactMatcher(certain, times_s, track).match(before, after).penalty));
+}
+
+TEST(ContactFlashes, CostNoLessThanTheirNumberSays) {
+  track.missed_share = 0.1;
+  for (const double probability : {0.3, 0.9, 1.0}) {
+    for (const double off_px : {0.0, 3.0, 30.0}) {
+      const auto images = ball_and_another(off_px, probability);
+      for (const int last : {14, 15, 19}) {
+        const matching::LegCandidate after = leg({16.0, 32.0}, 4e-3, {3000.0, 4000.0}, {last, 22, 25});
+        for (const int first : {9, 13}) {
+          const matching::LegCandidate before = leg({0.0, 32.0}, 0.0, {6000.0, -5000.0}, {4, 7, first});
+          matching::ContactMatcher matcher(images, times_s, track);
+          CHECK_TRUE(matcher.least_penalty(last - first - 1) <= matcher.match(before, after).penalty + 1e-9);
+        }
+      }
+    }
+  }
 }
 
 TEST(ContactFlashes, BesideOneLegAloneAreNextToIt) {

@@ -25,6 +25,12 @@ double outside(double value, double least, double most) {
 
 double squared(double z) { return z * z; }
 
+/// An image of the ball costs what its place is off, two in the mean; one that is none does not.
+constexpr double kExpectedMiss = 2.0;
+
+double is_ball(const TrackPoint& image) { return -2.0 * std::log(image.probability); }
+double is_no_ball(const TrackPoint& image) { return kExpectedMiss - 2.0 * std::log(1.0 - image.probability); }
+
 /// Place along the surface: straight flight outside the contact, a cubic that keeps both ends' velocity
 /// within.
 double place_at(double time_s, const geometry::Crossing& down, const geometry::Crossing& off) {
@@ -96,35 +102,47 @@ double contact_penalty(const BounceEstimate& r) {
   return penalty + squared(outside(distance, slow * positive_dwell, fast * positive_dwell) / sd);
 }
 
+ContactMatcher::ContactMatcher(std::span<const TrackPoint> images, std::span<const double> times_s,
+                               const Track& track)
+    : images_(images),
+      times_s_(times_s),
+      track_(track),
+      variance_(squared(track.sd_px) + squared(kContactModelSd_m * track.px_per_m)),
+      missed_(-2.0 * std::log(track.missed_share)) {
+  for (const TrackPoint& image : images) no_ball_.push_back(is_no_ball(image));
+  least_no_ball_ = no_ball_;
+  std::ranges::sort(least_no_ball_);
+  std::partial_sum(least_no_ball_.begin(), least_no_ball_.end(), least_no_ball_.begin());
+}
+
+double ContactMatcher::least_penalty(int flashes) const {
+  const int missed = flashes - static_cast<int>(images_.size());
+  return missed >= 0 ? missed_ * missed : least_no_ball_[static_cast<std::size_t>(-missed - 1)];
+}
+
 const ContactFlashes& ContactMatcher::match(const LegCandidate& in, const LegCandidate& out) {
   best_.flash.resize(images_.size());
-  best_.chi_squared = 0.0;
-  if (images_.empty()) return best_;
+  best_.penalty = 0.0;
   if (in.empty() || out.empty()) {
     take_from(first_beside(images_.size(), in, out));
     return best_;
   }
-  const int first = in.last() + 1;
-  if (!in.crossing || !out.crossing || in.crossing->time_s >= out.crossing->time_s) {
+  const int first = in.last() + 1, flashes = out.first() - first;
+  if (images_.empty() || !in.crossing || !out.crossing || in.crossing->time_s >= out.crossing->time_s) {
     take_from(first);
+    const bool enough = flashes >= static_cast<int>(images_.size());
+    best_.penalty = enough ? least_penalty(flashes) : std::numeric_limits<double>::infinity();
     return best_;
   }
-  expected_.resize(static_cast<std::size_t>(std::max(0, out.first() - first)));
+  expected_.resize(static_cast<std::size_t>(flashes));
   set_expected(*in.crossing, *out.crossing, first);
   fill_costs();
-  best_.chi_squared = cost(images_.size(), expected_.size());
-  for (std::size_t i = images_.size(), j = expected_.size(); i > 0; --j) {
-    if (j > i && cost(i, j) == cost(i, j - 1)) continue;
-    best_.flash[--i] = first + static_cast<int>(j) - 1;
-  }
+  best_.penalty = cost(images_.size(), expected_.size());
+  if (std::isfinite(best_.penalty)) trace_back(first);
   return best_;
 }
 
 void ContactMatcher::take_from(int first) { std::iota(best_.flash.begin(), best_.flash.end(), first); }
-
-double ContactMatcher::place_variance(const Track& track) {
-  return squared(track.sd_px) + squared(kContactModelSd_m * track.px_per_m);
-}
 
 void ContactMatcher::set_expected(const geometry::Crossing& down, const geometry::Crossing& off, int first) {
   for (std::size_t j = 0; j < expected_.size(); ++j) {
@@ -143,11 +161,26 @@ double ContactMatcher::miss(std::size_t image, std::size_t slot) const {
 
 void ContactMatcher::fill_costs() {
   const std::size_t n = images_.size(), m = expected_.size();
-  cost_.assign((n + 1) * (m + 1), std::numeric_limits<double>::infinity());
-  for (std::size_t j = 0; j <= m; ++j) cost(0, j) = 0.0;
+  cost_.resize((n + 1) * (m + 1));
+  for (std::size_t j = 0; j <= m; ++j) cost(0, j) = missed_ * static_cast<double>(j);
   for (std::size_t i = 1; i <= n; ++i) {
-    for (std::size_t j = i; j <= m; ++j)
-      cost(i, j) = std::min(cost(i, j - 1), cost(i - 1, j - 1) + miss(i - 1, j - 1));
+    const double ball = is_ball(images_[i - 1]);
+    cost(i, 0) = cost(i - 1, 0) + no_ball_[i - 1];
+    for (std::size_t j = 1; j <= m; ++j)
+      cost(i, j) = std::min({cost(i, j - 1) + missed_, cost(i - 1, j) + no_ball_[i - 1],
+                             cost(i - 1, j - 1) + miss(i - 1, j - 1) + ball});
+  }
+}
+
+void ContactMatcher::trace_back(int first) {
+  for (std::size_t i = images_.size(), j = expected_.size(); i > 0;) {
+    if (j > 0 && cost(i, j) == cost(i, j - 1) + missed_) {
+      --j;
+    } else if (cost(i, j) == cost(i - 1, j) + no_ball_[i - 1]) {
+      best_.flash[--i] = kNoFlash;
+    } else {
+      best_.flash[--i] = first + static_cast<int>(--j);
+    }
   }
 }
 

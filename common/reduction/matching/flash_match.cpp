@@ -18,6 +18,7 @@ namespace {
 
 // An assignment whose flight alone is this much worse than the best has a negligible probability.
 constexpr double kNegligible = 60.0;
+constexpr double kFinite = std::numeric_limits<double>::max();
 // -2 ln of 1/10: an assignment ten times less likely than the best is implausible.
 constexpr double kImplausible = 4.6;
 
@@ -60,10 +61,12 @@ double prior_penalty(const LegCandidate& in, const LegCandidate& out, std::span<
   return 2.0 * std::log1p(z * z);
 }
 
-/// Whether there are as many flashes from one image to the next.
+/// Whether there are as many flashes from one image to the next, and the same images without one.
 bool same_gaps(const std::vector<int>& a, const std::vector<int>& b) {
-  for (std::size_t i = 1; i < a.size(); ++i)
-    if (a[i] - a[0] != b[i] - b[0]) return false;
+  for (std::size_t i = 1; i < a.size(); ++i) {
+    const bool none = a[i] == kNoFlash || b[i] == kNoFlash;
+    if (none ? a[i] != b[i] : a[i] - a[0] != b[i] - b[0]) return false;
+  }
   return true;
 }
 
@@ -94,29 +97,35 @@ class Matcher {
   void collect(const std::vector<LegCandidate>& ins, const std::vector<LegCandidate>& outs) {
     pairs_.reserve(4 * ins.size());
     for (const LegCandidate& in : ins) {
-      const int least = in.empty() ? contact_count() : in.last() + 1 + contact_count();
+      const int least = in.empty() ? contact_count() : in.last() + 1;
       auto out = std::lower_bound(outs.begin(), outs.end(), least, [](const LegCandidate& c, int first) {
         return !c.empty() && c.first() < first;
       });
       for (; out != outs.end(); ++out) {
-        if (!in.empty() && !out->empty() && out->first() > least + track_.most_missed) break;
+        if (!in.empty() && !out->empty() && out->first() > least + contact_count() + track_.most_missed)
+          break;
         consider(in, *out);
       }
     }
   }
 
   void consider(const LegCandidate& in, const LegCandidate& out) {
-    int missed = in.missed + out.missed;
-    if (!in.empty() && !out.empty()) missed += out.first() - in.last() - 1 - contact_count();
+    const bool both = !in.empty() && !out.empty();
     if (out.empty() && !in.empty() && in.last() + contact_count() >= flash_count()) return;
-    Pair pair{&in, &out, in.chi_squared + out.chi_squared, missed_penalty_ * missed};
-    if (pair.score(scale_) > best_score_ + kNegligible) return;
+    Pair pair{&in, &out, in.chi_squared + out.chi_squared, missed_penalty_ * (in.missed + out.missed)};
+    if (both && is_negligible(pair, contact_.least_penalty(out.first() - in.last() - 1))) return;
     pair.penalty += prior_penalty(in, out, times_s_, prior_);
     if (in.crossing && out.crossing) pair.penalty += contact_penalty(estimate_bounce(in, out, track_));
-    if (!std::isfinite(pair.penalty) || pair.score(scale_) > best_score_ + kNegligible) return;
-    pair.penalty += contact_.match(in, out).chi_squared;
+    if (is_negligible(pair)) return;
+    pair.penalty += contact_.match(in, out).penalty;
+    if (is_negligible(pair)) return;
     best_score_ = std::min(best_score_, pair.score(scale_));
     pairs_.push_back(pair);
+  }
+
+  /// With a further penalty.
+  bool is_negligible(const Pair& pair, double penalty = 0.0) const {
+    return !(pair.score(scale_) + penalty <= std::min(best_score_ + kNegligible, kFinite));
   }
 
   /// Noise larger than stated shows in the best match's own residuals and makes the others less unlikely.
@@ -221,9 +230,14 @@ class Matcher {
     flash.insert(flash.end(), contact.begin(), contact.end());
     flash.insert(flash.end(), pair.out->flash.begin(), pair.out->flash.end());
     assert(flash.size() == track_.images.size());
-    assert(std::adjacent_find(flash.begin(), flash.end(), std::greater_equal<>()) == flash.end());
+    assert(is_ascending(flash));
     assert(flash.front() >= 0 && flash.back() < flash_count());
     return flash;
+  }
+
+  static bool is_ascending(std::vector<int> flash) {
+    std::erase(flash, kNoFlash);
+    return std::ranges::adjacent_find(flash, std::greater_equal<>()) == flash.end();
   }
 
   /// Where equal intervals leave the offset open, a flash next to the ball's may have been one of them.
@@ -315,9 +329,11 @@ bool is_as_before(std::span<const double> times_s, const FlashMatch& match, cons
   const auto after_first = [&](const std::vector<int>& flash, std::size_t i) {
     return times_s[static_cast<std::size_t>(flash[i])] - times_s[static_cast<std::size_t>(flash[0])];
   };
-  for (std::size_t i = 1; i < now.size(); ++i) {
-    const double step_s = after_first(now, i) - after_first(now, i - 1);
+  for (std::size_t i = 1, last = 0; i < now.size(); ++i) {
+    if (now[i] == kNoFlash || before[i] == kNoFlash) continue;  // one that says nothing of the others
+    const double step_s = after_first(now, i) - after_first(now, last);
     if (std::abs(after_first(now, i) - after_first(before, i)) > kSameShare * step_s) return false;
+    last = i;
   }
   return true;
 }

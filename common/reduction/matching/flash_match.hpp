@@ -6,7 +6,8 @@
 //   d = chi squared of both legs' flight (the images' noise, the errors in time and of the air's pull, and
 //   each leg's
 //       position and velocity free)
-//     + -2 ln of the share of images that are not found, for every flash within the path without an image
+//     + -2 ln of the share of images that are not found, for every flash within the path without an image,
+//       and of the probability that an image in contact is none of the ball's, for every one without a flash
 //     + the penalties of contact_match.hpp for a bounce that balls do not make, and for images in contact
 //     + 2 ln(1 + z^2) of the arrival, where there is a prior for it.
 // Where the noise as stated explains not even the likeliest hypothesis, chi squared is divided by what it
@@ -32,7 +33,8 @@ struct ArrivalPrior {
   double scale_s = 0.010;
 };
 
-/// A hypothesis: for each image the number of its flash among the observed ones, ascending.
+/// A hypothesis: for each image the number of its flash among the observed ones, ascending; kNoFlash of an
+/// image between two legs that is none of the ball's.
 struct FlashAssignment {
   std::vector<int> flash;
   double weight = 1.0;

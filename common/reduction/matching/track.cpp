@@ -112,7 +112,8 @@ std::optional<Track> image_track(const Frame& frame) {
   assert(legs.size() == frame.images.size());
   for (std::size_t i = 0; i < legs.size(); ++i) {
     const double share = own_variance(frame.images[i]).value_or(0.0) / (track.sd_px * track.sd_px);
-    track.images.push_back({legs[i], centres[i], std::isfinite(share) && share > 0.0 ? share : 1.0});
+    track.images.push_back({legs[i], centres[i], std::isfinite(share) && share > 0.0 ? share : 1.0,
+                            frame.images[i].probability.value_or(1.0)});
   }
   track.gravity_pxps2 = flight::gravity_mps2(radians(frame.surface_angle_deg)) * track.px_per_m;
   if (surface.mirrored) track.gravity_pxps2.x() *= -1.0;

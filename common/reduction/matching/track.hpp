@@ -15,11 +15,15 @@ namespace strobe::matching {
 /// Flashes between two images of a leg whose image was not found: two happen, three do not.
 inline constexpr int kMaxMissed = 2;
 
+/// In place of a flash's number: no flash made the image.
+inline constexpr int kNoFlash = -1;
+
 struct TrackPoint {
   Leg leg = Leg::contact;
   /// In the surface's axes: along it in the direction of travel, up from it. [px of the photograph]
   Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();
   double variance_share = 1.0;  ///< variance of each coordinate over Track::sd_px squared; > 0
+  double probability = 1.0;     ///< that it is an image of the ball: BallImage::probability; above 0
 };
 
 /// Shortest and longest contact of a ball with a surface; tennis balls take 3.8 to 6.3 ms.
