@@ -96,6 +96,7 @@ Observation observation(const BallImage& image, const Frame& frame, const geomet
   o.equator_rad = image.equator_rad.value_or(0.0);
   o.use_equator = image.equator_rad.has_value();
   o.time_sd_s = image.time_sd_s.value_or(0.0);
+  o.digitized = image.source == "auto";
   o.probability = image.probability;
   return o;
 }

@@ -55,6 +55,7 @@ struct Observation {
   NoiseGroup centre_noise = NoiseGroup::stated;
   NoiseGroup diameter_noise = NoiseGroup::stated;
   NoiseGroup equator_noise = NoiseGroup::stated;
+  bool digitized = false;             ///< a digitizer states its sds, image by image
   std::optional<double> probability;  ///< BallImage::probability
   std::optional<Leg> leg;
   bool use_centre = false;  ///< airborne and not left out

@@ -21,6 +21,7 @@ struct Suspect {
   double square = 0.0;       // of the deviation, in variances
   std::size_t image = 0;
   MeasurementKind kind = MeasurementKind::centre;
+  bool clear = true;                             // beyond chance as well as the sds are known, too
   bool worse_than(const Suspect& other) const {  // far out no probability is left to compare
     return probability < other.probability || (probability == other.probability && square > other.square);
   }
@@ -71,6 +72,14 @@ class Suspects {
 /// is wrong.
 constexpr double kMaxRejectedShare = 0.25;
 
+/// Of a square with `dimensions` degrees of freedom, in units of a variance that was estimated without it: t
+/// squared, or half of F.
+double chance_without(double square, double degrees_of_freedom, int dimensions) {
+  if (dimensions == 2)  // in closed form
+    return std::pow(1.0 + square / degrees_of_freedom, -0.5 * degrees_of_freedom);
+  return statistics::student_t_tail(std::sqrt(square), degrees_of_freedom);
+}
+
 /// Of a square with `dimensions` degrees of freedom, in units of a variance that was estimated with it
 /// included: by the variance without it, F.
 double chance_of_square(double square, double degrees_of_freedom, int dimensions) {
@@ -80,10 +89,7 @@ double chance_of_square(double square, double degrees_of_freedom, int dimensions
   const double left = degrees_of_freedom - dimensions;
   if (left < 0.5) return 1.0;
   const double rest = (degrees_of_freedom - square) / left;
-  if (!(rest > 0.0)) return 0.0;
-  if (dimensions == 2)
-    return std::pow(1.0 + square / (rest * left), -0.5 * left);  // F(2, left) in closed form
-  return statistics::student_t_tail(std::sqrt(square / rest), left);
+  return rest > 0.0 ? chance_without(square / rest, left, dimensions) : 0.0;
 }
 
 void Suspects::consider(double square, NoiseGroup noise, int dimensions, double chances, std::size_t image,
@@ -95,7 +101,11 @@ void Suspects::consider(double square, NoiseGroup noise, int dimensions, double 
         fit_.variance_components[static_cast<std::size_t>(noise)].degrees_of_freedom;
   const double chance =
       chance_of_square(square / yardstick.variance, yardstick.degrees_of_freedom, dimensions);
-  if (chance * chances < kThreshold) found.push_back({chance * chances, square, image, kind});
+  if (!(chance * chances < kThreshold)) return;
+  const bool as_stated = yardstick.variance == 1.0 && !std::isfinite(yardstick.degrees_of_freedom);
+  const bool doubtful = as_stated && fit_.observations.images[image].digitized &&
+                        chance_without(square, kDigitizersFreedom, dimensions) * chances >= kThreshold;
+  found.push_back({chance * chances, square, image, kind, !doubtful});
 }
 
 /// Squared deviation from the prediction by the other images: the whitened residual r has covariance I - H,
@@ -204,6 +214,7 @@ struct LeftOut {
   MeasurementKind kind = MeasurementKind::centre;
   bool use_centre = false, use_diameter = false, use_equator = false;
   double square = 0.0;  // of the deviation, in variances
+  bool clear = true;
 };
 
 class Rejection {
@@ -217,7 +228,10 @@ class Rejection {
     }
   }
 
-  bool any() const { return !left_out_.empty(); }
+  Contradiction contradiction() const {
+    if (left_out_.empty()) return Contradiction::none;
+    return std::ranges::any_of(left_out_, &LeftOut::clear) ? Contradiction::clear : Contradiction::doubtful;
+  }
   bool too_many(std::size_t kind) const { return count_[kind] > most_[kind]; }
 
   /// Kinds whose noise rather than whose measurements may be wrong: too many had to go, or what is left of
@@ -298,8 +312,8 @@ class Rejection {
 
   void leave_out(const Suspect& suspect) {
     Observation& o = fit_.observations.images[suspect.image];
-    left_out_.push_back(
-        {suspect.image, suspect.kind, o.use_centre, o.use_diameter, o.use_equator, suspect.square});
+    left_out_.push_back({suspect.image, suspect.kind, o.use_centre, o.use_diameter, o.use_equator,
+                         suspect.square, suspect.clear});
     // An image that the digitizer doubts, too, says the less against the centres' noise.
     count_[static_cast<std::size_t>(suspect.kind)] +=
         suspect.kind == MeasurementKind::centre ? o.probability.value_or(1.0) / largest_probability_ : 1.0;
@@ -318,15 +332,15 @@ class Rejection {
 
 }  // namespace
 
-bool reject_outliers(ShotFit& fit, const std::function<void()>& fit_again) {
+Contradiction reject_outliers(ShotFit& fit, const std::function<void()>& fit_again) {
   Rejection rejection(fit, fit_again);
   const bool converged = rejection.converge({});
-  if (!rejection.any()) return false;
+  if (rejection.contradiction() == Contradiction::none) return Contradiction::none;
   const Kinds by_scatter = rejection.doubted();
-  if (converged && by_scatter == Kinds{}) return true;
+  if (converged && by_scatter == Kinds{}) return rejection.contradiction();
   rejection.restore();
   if (!rejection.converge(by_scatter)) rejection.restore();
-  return rejection.any();
+  return rejection.contradiction();
 }
 
 }  // namespace strobe::reduction

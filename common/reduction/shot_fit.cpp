@@ -269,24 +269,24 @@ bool leave_out_equators(ShotFit& fit) {
   return any;
 }
 
-/// Returns whether any was. The lift of a wrong spin bends the path away from good images: where the spin may
-/// be another, only what fits no lift is an outlier.
-bool leave_out_misfits(ShotFit& fit) {
-  const bool equators = leave_out_equators(fit);
+/// The lift of a wrong spin bends the path away from good images: where the spin may be another, only what
+/// fits no lift is an outlier.
+Contradiction leave_out_misfits(ShotFit& fit) {
+  const Contradiction equators = leave_out_equators(fit) ? Contradiction::clear : Contradiction::none;
   const auto fit_again = [&fit] { fit_once(fit); };
   const bool closed = !fit.spins_open && std::ranges::any_of(fit.spin, [](const auto& spin) {
     return spin && !spin->alternatives_radps.empty();
   });
-  if (!closed) return reject_outliers(fit, fit_again) || equators;
+  if (!closed) return std::max(reject_outliers(fit, fit_again), equators);
   const std::vector<Observation> images = fit.observations.images;
-  if (!reject_outliers(fit, fit_again)) return equators;
+  if (reject_outliers(fit, fit_again) == Contradiction::none) return equators;
   fit.observations.images = images;
   fit.spins_open = true;
   fit_once(fit);
-  const bool any = reject_outliers(fit, fit_again);
+  const Contradiction rejected = reject_outliers(fit, fit_again);
   fit.spins_open = false;
   fit_once(fit);
-  return any || equators;
+  return std::max(rejected, equators);
 }
 
 /// Mirrors where the legs as fitted, without the images left out, say otherwise than the first and last image
@@ -350,7 +350,8 @@ ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags) 
     fit.spin_decay_sd_per_m = fit.observations.air_law.spin_decay_sd_per_m * density;
   }
   refit(fit, options.effects);
-  if (options.reject_outliers && leave_out_misfits(fit)) flags.set(Flag::outlier_image);
+  if (options.reject_outliers && leave_out_misfits(fit) == Contradiction::clear)
+    flags.set(Flag::outlier_image);
   orient(fit);
   for (std::size_t leg = 0; leg < 2; ++leg) {
     if (aliased(fit, leg)) flags.set(Flag::spin_aliased);

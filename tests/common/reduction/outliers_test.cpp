@@ -105,6 +105,27 @@ TEST(Outliers, AnImageThatIsLeftOutLeavesTheShotThatThereIsWithoutIt) {
   }
 }
 
+TEST(Outliers, OfADigitizersSdsAreFlaggedOnlyWhereThoseWouldHaveToBeWrong) {
+  // Among ten diameters one is left out from 4.4 sd on; t with 15 degrees of freedom allows for 6.4. Of what one is off
+  // it moves the mean by a tenth.
+  const auto flagged = [](double sds, const char* source) {
+    Setup setup = vacuum();
+    setup.noise_factor = 0.0;
+    Frame frame = noisy(setup);
+    for (BallImage& image : frame.images) {
+      image.source = source;
+      image.diameter_sd_px = 1.0;
+    }
+    frame.images[2].diameter_px += sds;
+    const auto fits = image_fits(frame);
+    CHECK_TRUE(fits && !(*fits)[2].diameter_used);
+    return reduced(frame).flags.has(Flag::outlier_image);
+  };
+  for (const double sds : {5.5, 8.0}) CHECK_TRUE(flagged(sds, "hand"));
+  CHECK_FALSE(flagged(5.5, "auto"));
+  CHECK_TRUE(flagged(8.0, "auto"));
+}
+
 // What the digitizer says of an image's being a ball's.
 
 namespace {
