@@ -82,6 +82,7 @@ struct Outline {
   double visible_fraction = 0.0;  ///< of the whole circle, 0 to 1
   double rms_px = 0.0;            ///< of its edge residuals
   double blur_px = 0.0;           ///< sd of the edge's blur
+  double rise = 0.0;              ///< of light over the limb, typically
   double probability = 1.0;       ///< that it is one of the ball's images, 0 to 1
   /// By which what lies under one side of it moves the outline there, rms, as far as its size tells. Paths
   /// allow for it as the most that it may be, and the covariance has it once the path is known.

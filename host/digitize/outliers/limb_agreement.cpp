@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <opencv2/core/utility.hpp>
 #include <utility>
 #include <vector>
@@ -28,7 +29,20 @@ struct OutlinePlace {
     const double a = angle_rad - ellipse.axis_rad;
     return 1.0 / std::hypot(std::cos(a) / ellipse.along, std::sin(a) / ellipse.across);
   }
+  cv::Point2d at(double angle_rad, double beyond) const {
+    const double r = reach(angle_rad) + beyond;
+    return ellipse.centre + r * cv::Point2d(std::cos(angle_rad), std::sin(angle_rad));
+  }
+  /// Of a point from the outline, along its ray from the centre.
+  double distance(cv::Point2d point) const {
+    const cv::Point2d ray = point - ellipse.centre;
+    return std::abs(cv::norm(ray) - reach(std::atan2(ray.y, ray.x)));
+  }
 };
+
+double angle_of(std::size_t direction, double share) {
+  return 2.0 * std::numbers::pi * (static_cast<double>(direction) + share) / kDirections;
+}
 
 class Reader {
  public:
@@ -38,28 +52,44 @@ class Reader {
   }
 
   Limb limb(const Outline& outline) const {
-    const OutlinePlace place{outline.centre, map_.outline(outline.centre, outline.diameter)};
-    // Beyond most of the blur, and near enough that what lies under the ball is the same.
-    const double off = 1.5 * std::max(outline.blur_px, 0.7) + 0.5;
+    const OutlinePlace place = place_of(outline);
+    const auto [near, far] = sampled_px(outline);
     Limb limb{};
     for (std::size_t k = 0; k < kDirections; ++k) {
       float inside = 0.0F, outside = 0.0F;
       for (int j = 0; j < kAcross; ++j) {
-        const double turn = (static_cast<double>(k) + (j + 0.5) / kAcross) / kDirections;
-        inside += light(place, 2.0 * std::numbers::pi * turn, -off) +
-                  light(place, 2.0 * std::numbers::pi * turn, -off - 1.5);
-        outside += light(place, 2.0 * std::numbers::pi * turn, off) +
-                   light(place, 2.0 * std::numbers::pi * turn, off + 1.5);
+        const double angle = angle_of(k, (j + 0.5) / kAcross);
+        inside += light(place, angle, -near) + light(place, angle, -far);
+        outside += light(place, angle, near) + light(place, angle, far);
       }
       limb[k] = (inside - outside) / (2.0F * kAcross);
     }
     return limb;
   }
 
+  /// Leaves out where another's limb lies among what is sampled.
+  void leave_out(const Outline& other, const Outline& outline, Limb& limb) const {
+    const double far = sampled_px(outline).second;
+    if (cv::norm(other.centre - outline.centre) > 0.5 * (other.diameter + outline.diameter) + far) return;
+    const OutlinePlace place = place_of(outline), others = place_of(other);
+    for (std::size_t k = 0; k < kDirections; ++k)
+      if (others.distance(place.at(angle_of(k, 0.5), 0.0)) < far) limb[k] = kNone;
+  }
+
  private:
+  OutlinePlace place_of(const Outline& outline) const {
+    return {outline.centre, map_.outline(outline.centre, outline.diameter)};
+  }
+
+  /// How far inside and outside of the outline, nearest and farthest: beyond most of the blur, and near
+  /// enough that what lies under the ball is the same.
+  static std::pair<double, double> sampled_px(const Outline& outline) {
+    const double near = 1.5 * std::max(outline.blur_px, 0.7) + 0.5;
+    return {near, near + 1.5};
+  }
+
   float light(const OutlinePlace& place, double angle_rad, double beyond) const {
-    const double r = place.reach(angle_rad) + beyond;
-    const cv::Point2d at = place.ellipse.centre + r * cv::Point2d(std::cos(angle_rad), std::sin(angle_rad));
+    const cv::Point2d at = place.at(angle_rad, beyond);
     if (axes_ && axes_->from_image(to_eigen(at)).y() < 0.0) return kNone;
     const cv::Point2d image = map_.to_image(at);
     const int column = cvRound(image.x), row = cvRound(image.y);
@@ -119,7 +149,6 @@ float gain_of(const Limb& limb, const Limb& typical) {
 
 LimbAgreement compared(const Limb& limb, const Limb& typical) {
   LimbAgreement result;
-  result.limb = limb;
   const float gain = gain_of(limb, typical);
   double there = 0.0, expected = 0.0;
   for (std::size_t k = 0; k < kDirections; ++k) {
@@ -142,24 +171,63 @@ double log_odds_of(const LimbAgreement& limb, double visible_fraction) {
   return kOffset + kByLimb * limb.observed * (limb.agreement - kEven) + kByVisible * visible_fraction;
 }
 
+/// Fraction of the whole circle that is visible and not left out.
+double own_visible_fraction(const Outline& outline, const Limb& whole, const Limb& own) {
+  double visible = 0.0, borrowed = 0.0;
+  for (std::size_t k = 0; k < kDirections; ++k) {
+    const bool seen = std::ranges::any_of(outline.visible_arcs, [&](const Arc& arc) {
+      const double after = angle_of(k, 0.5) - arc.from_rad, turn = 2.0 * std::numbers::pi;
+      return after - turn * std::floor(after / turn) < arc.extent_rad;
+    });
+    visible += seen ? 1.0 : 0.0;
+    borrowed += seen && std::isnan(own[k]) && !std::isnan(whole[k]) ? 1.0 : 0.0;
+  }
+  return visible > 0.0 ? outline.visible_fraction * (1.0 - borrowed / visible) : outline.visible_fraction;
+}
+
+std::vector<Limb> read_limbs(const Reader& reader, std::span<const Outline> outlines) {
+  std::vector<Limb> limbs(outlines.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(outlines.size())), [&](const cv::Range& range) {
+    for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i)
+      limbs[i] = reader.limb(outlines[i]);
+  });
+  return limbs;
+}
+
+std::vector<std::size_t> likeliest_first(const std::vector<LimbAgreement>& all) {
+  std::vector<std::size_t> order(all.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order,
+                           [&](std::size_t a, std::size_t b) { return all[a].log_odds > all[b].log_odds; });
+  return order;
+}
+
 }  // namespace
 
 std::vector<LimbAgreement> compare_limbs(const Photograph& photograph, const PlaneMap& map,
                                          std::span<const Outline> outlines,
                                          const std::optional<SurfaceLine>& surface) {
   const Reader reader(photograph, map, surface);
-  std::vector<Limb> limbs(outlines.size());
-  cv::parallel_for_(cv::Range(0, static_cast<int>(outlines.size())), [&](const cv::Range& range) {
-    for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i)
-      limbs[i] = reader.limb(outlines[i]);
-  });
+  const std::vector<Limb> limbs = read_limbs(reader, outlines);
+  const bool few = std::ssize(limbs) < kMinOutlines;
   Limb typical{};
-  if (std::ssize(limbs) >= kMinOutlines) typical = typical_limb(limbs);
+  if (!few) typical = typical_limb(limbs);
+  const auto judged = [&](std::size_t i, const Limb& limb, double visible_fraction) {
+    if (few) typical.fill(median_rise({limbs[i].begin(), limbs[i].end()}));
+    LimbAgreement one = compared(limb, typical);
+    one.limb = limbs[i];
+    one.log_odds = log_odds_of(one, visible_fraction);
+    return one;
+  };
   std::vector<LimbAgreement> result;
-  for (std::size_t i = 0; i < limbs.size(); ++i) {
-    if (std::ssize(limbs) < kMinOutlines) typical.fill(median_rise({limbs[i].begin(), limbs[i].end()}));
-    result.push_back(compared(limbs[i], typical));
-    result.back().log_odds = log_odds_of(result.back(), outlines[i].visible_fraction);
+  for (std::size_t i = 0; i < limbs.size(); ++i)
+    result.push_back(judged(i, limbs[i], outlines[i].visible_fraction));
+  const std::vector<std::size_t> order = likeliest_first(result);
+  for (std::size_t n = 1; n < order.size(); ++n) {
+    const std::size_t i = order[n];
+    Limb own = limbs[i];
+    for (std::size_t m = 0; m < n; ++m) reader.leave_out(outlines[order[m]], outlines[i], own);
+    result[i] = judged(i, own, own_visible_fraction(outlines[i], limbs[i], own));
   }
   assert(result.size() == outlines.size());
   return result;

@@ -1,7 +1,8 @@
 // Whether an outline is a ball's, by its limb: lamps stand still and balls are alike, so that in the same
 // direction from the centre intensity rises across each image's outline by about the same amount, whatever
 // lies below. A false outline put together from arcs of several images, seams or shadows rises on those arcs
-// only. Deterministic; thread-safe; allocates.
+// only. Where a likelier outline's limb lies beside this one's, the rise is that one's. Deterministic;
+// thread-safe; allocates.
 #pragma once
 
 #include <array>
@@ -25,9 +26,9 @@ struct LimbAgreement {
   /// the borrowed arcs' fraction for a false outline.
   double agreement = 0.0;
   /// Fraction of the circle on which the limb can be observed: not saturated, on the photograph, above the
-  /// surface.
+  /// surface, and apart from likelier outlines' limbs.
   double observed = 0.0;
-  Limb limb{};
+  Limb limb{};  ///< of the whole circle
   /// That this is a ball's outline, from the limb and from how much of it is seen, where as many are as are
   /// not: log(p / (1 - p)).
   double log_odds = 0.0;

@@ -104,14 +104,18 @@ class PathLeg {
   /// `shortest_interval`: of the train, over its median.
   std::optional<TooClose> next(double shortest_interval, bool times_known) {
     if (members_.size() < kMinImages) return std::nullopt;
-    const double typical = median_step();
+    const double typical = median_of([this](std::size_t k) { return step(k); });
+    const double typical_distance = median_of([this](std::size_t k) { return distance(k); });
     std::optional<TooClose> nearest;
     for (std::size_t k = 1; k < members_.size(); ++k) {
       const double apart = step(k);
       if (apart >= kCloseOfStep * typical || (nearest && apart >= nearest->distance_px)) continue;
       const auto pair = worse_first(members_[k - 1], members_[k]);
       const bool impossible = apart < kCloseOfStep * shortest_interval * typical;
-      const double odds = times_known || curved_ ? 0.0 : log_odds_of_step(apart / typical);
+      // Gravity makes steps short along a curve, not across the picture; a toss goes across by next to
+      // nothing.
+      const double of_median = std::max(apart / typical, distance(k) / typical_distance);
+      const double odds = times_known ? 0.0 : log_odds_of_step(of_median);
       const double p = probability_of(pair.first);
       if (!impossible && std::log(p / (1.0 - p)) + odds >= 0.0) continue;
       nearest = TooClose{pair.first, pair.second, apart};
@@ -123,15 +127,15 @@ class PathLeg {
  private:
   double probability_of(int i) const { return probabilities_[static_cast<std::size_t>(i)]; }
   const PathPoint& at(int i) const { return points_[static_cast<std::size_t>(i)]; }
+  cv::Point2d way(std::size_t k) const { return at(members_[k]).at - at(members_[k - 1]).at; }
+  double distance(std::size_t k) const { return cv::norm(way(k)); }
   /// Gravity changes the speed along a curve, but not across the picture.
-  double step(std::size_t k) const {
-    const cv::Point2d step = at(members_[k]).at - at(members_[k - 1]).at;
-    return curved_ ? std::abs(step.x) : cv::norm(step);
-  }
+  double step(std::size_t k) const { return curved_ ? std::abs(way(k).x) : distance(k); }
 
-  double median_step() const {
+  template <typename Step>
+  double median_of(const Step& of) const {
     std::vector<double> steps;
-    for (std::size_t k = 1; k < members_.size(); ++k) steps.push_back(step(k));
+    for (std::size_t k = 1; k < members_.size(); ++k) steps.push_back(of(k));
     return median(std::move(steps));
   }
 
@@ -197,6 +201,32 @@ void reject_unlikely(std::vector<Unmeasured>& rejected, const Outline& o, const 
                "its outline is clear over {:.0f} of 360 degrees only, and light rises by {:.0f} % of what it "
                "does across the others' outlines",
                360.0 * o.visible_fraction, 100.0 * limb.agreement));
+}
+
+/// Whether its centre is in a likelier one, beside which there are arcs enough for it to be made of.
+bool lies_on_likelier(std::size_t i, const std::vector<Outline>& outlines, const std::vector<double>& odds) {
+  for (std::size_t j = 0; j < outlines.size(); ++j)
+    if (odds[j] > odds[i] && cv::norm(outlines[j].centre - outlines[i].centre) < 0.5 * outlines[j].diameter)
+      return true;
+  return false;
+}
+
+/// That it is a ball's: beside others the picture's other outlines and the path say nothing, as both are
+/// where the balls are whose arcs it may be made of.
+struct Likelihood {
+  double probability = 0.0;
+  bool enough = false;
+};
+
+Likelihood likelihood_of(std::size_t i, const std::vector<Outline>& outlines, const std::vector<double>& odds,
+                         const LimbAgreement& limb, const SizeModel& size, const Photograph& photograph,
+                         const PlaneMap& map) {
+  if (lies_on_likelier(i, outlines, odds)) {
+    const double alone = probability(limb.log_odds + log_odds_of_size(outlines[i], size));
+    return {alone, alone >= kLikely};
+  }
+  const double p = probability(odds[i] + log_odds_of_path(outlines[i], photograph, map));
+  return {p, p >= kMinProbability};
 }
 
 std::vector<PathPoint> weighted_points(const std::vector<Outline>& outlines, const std::vector<double>& odds,
@@ -372,9 +402,12 @@ std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap
   std::vector<Outline> balls;
   std::vector<LimbAgreement> their_limbs;
   std::vector<double> their_odds;
+  std::vector<Likelihood> likelihoods;  // of each beside the others, all of which are still there
+  for (std::size_t i = 0; i < outlines.size(); ++i)
+    likelihoods.push_back(likelihood_of(i, outlines, odds, limbs[i], size, photograph, map));
   for (std::size_t i = 0; i < outlines.size(); ++i) {
-    outlines[i].probability = probability(odds[i] + log_odds_of_path(outlines[i], photograph, map));
-    if (outlines[i].probability < kMinProbability) {
+    outlines[i].probability = likelihoods[i].probability;
+    if (!likelihoods[i].enough) {
       reject_unlikely(rejected, outlines[i], limbs[i], size);
       continue;
     }

@@ -271,18 +271,21 @@ class Fit {
     double squares = 0.0, trusts = 0.0;
     int seen = 0;
     std::vector<bool> visible(static_cast<std::size_t>(count()));
+    std::vector<double> rises;
     for (int i = 0; i < count(); ++i) {
       const auto at = static_cast<std::size_t>(i);
       squares += offsets_.robust[at] * std::pow(residual(i, change_), 2);
       trusts += offsets_.robust[at];
       visible[at] = offsets_.robust[at] > 0.1;
       seen += visible[at] ? 1 : 0;
+      if (visible[at]) rises.push_back(offsets_.edges[at].rise);
       fitted.saturated_fraction += (samples_->saturated_fraction(i) > 0.3 ? 1.0 : 0.0) / count();
       fitted.outside_fraction += (samples_->inside_fraction(i) < 0.5 ? 1.0 : 0.0) / count();
     }
     fitted.visible_fraction = static_cast<double>(seen) / count();
     fitted.rms_px = trusts > 0.0 ? std::sqrt(squares / trusts) : 0.0;
     fitted.visible_arcs = arcs(visible);
+    fitted.shape.rise = rises.empty() ? 0.0 : median(std::move(rises));
   }
 
   std::vector<Arc> arcs(const std::vector<bool>& seen) const {

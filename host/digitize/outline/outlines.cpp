@@ -96,6 +96,7 @@ struct PlaneDisc {
   cv::Point2d centre;
   double radius = 0.0;
   double oval_cos = 0.0, oval_sin = 0.0;
+  double rise = 0.0;
 };
 
 /// The state of one candidate.
@@ -119,6 +120,7 @@ OutlineShape shape_of(const PlaneMap& map, const LocalFrame& frame, const PlaneD
   shape.along = std::sqrt(ellipse.along / ellipse.across);
   shape.across = 1.0 / shape.along;
   shape.axis = {std::cos(ellipse.axis_rad), std::sin(ellipse.axis_rad)};
+  shape.rise = disc.rise;
   return shape;
 }
 
@@ -126,7 +128,7 @@ OutlineShape shape_of(const PlaneMap& map, const LocalFrame& frame, const PlaneD
 /// ball.
 PlaneDisc disc_of(const PlaneMap& map, const LocalFrame& frame, const OutlineShape& shape) {
   PlaneDisc disc{frame.to_plane(shape.centre), shape.radius / frame.scale(), shape.oval_cos / frame.scale(),
-                 shape.oval_sin / frame.scale()};
+                 shape.oval_sin / frame.scale(), shape.rise};
   for (int i = 0; i < 3; ++i) {
     const EllipsePx ellipse = map.outline(disc.centre, 2.0 * disc.radius);
     disc.centre += frame.to_plane(shape.centre) - ellipse.centre;
@@ -213,7 +215,7 @@ class OutlineFitter {
         shapes.push_back(shape_of(map_, *works_[i].frame, *all[j].disc));
     }
     for (const Outline& o : settings_.neighbours) {
-      const PlaneDisc disc{o.centre, 0.5 * o.diameter};
+      const PlaneDisc disc{.centre = o.centre, .radius = 0.5 * o.diameter, .rise = o.rise};
       if (cv::norm(disc.centre - all[i].disc->centre) < 1.2 * (all[i].disc->radius + disc.radius))
         shapes.push_back(shape_of(map_, *works_[i].frame, disc));
     }
@@ -405,6 +407,7 @@ class OutlineFitter {
     outline.visible_fraction = fitted.visible_fraction;
     outline.rms_px = fitted.rms_px / scale;
     outline.blur_px = fitted.sigma_px / scale;
+    outline.rise = fitted.shape.rise;
     return outline;
   }
 

@@ -23,9 +23,6 @@ constexpr int kLanes = 4;
 constexpr int kMaxDepths = SectorSamples::kMaxDepths;
 constexpr int kMinDegreesOfFreedom = 4;
 constexpr double kCoarseSd = 2.0;
-// Prior for a neighbour's amplitudes, about thirty times the noise around zero: without it a limb parallel to
-// this one would explain all of its profile.
-constexpr double kNeighbourPrior = 1e-3;
 // Bilinear interpolation removes a third of white noise's variance, but not its slow part, which makes the
 // fit's error (a cubic B-spline's values at 0, ±1: 2/3, 1/6).
 constexpr double kInterpolation = 1.5;
@@ -172,11 +169,20 @@ void add_limb_prior(NormalEquations& normal, double rise, double noise2) {
   normal.m[own + kInnerSlope][own + kInnerSlope] += relative / kSlopeVariance;
 }
 
+/// Of a neighbour's limb, which otherwise explains one parallel to it, step and root are each anything from
+/// none to all of its rise, or of this outline's where that is not known yet: a mean square of a third.
+void add_neighbours_prior(NormalEquations& normal, std::span<const OutlineShape* const> neighbours,
+                          double rise, double noise2) {
+  for (std::size_t k = 0; k < neighbours.size(); ++k) {
+    const double of_limb = neighbours[k]->rise > 0.0 ? neighbours[k]->rise : rise;
+    for (const std::size_t j : {2 * k + 1, 2 * k + 2})
+      normal.m[j][j] += 3.0 * noise2 / (of_limb * of_limb + noise2);
+  }
+}
+
 /// Keeps nearly collinear terms apart.
 void add_ridge(NormalEquations& normal) {
-  for (std::size_t j = 0; j < static_cast<std::size_t>(normal.linear); ++j)
-    normal.m[j][j] =
-        (1.0 + 1e-6) * normal.m[j][j] + (j > 0 && j < normal.first_prior_term() ? kNeighbourPrior : 0.0);
+  for (std::size_t j = 0; j < static_cast<std::size_t>(normal.linear); ++j) normal.m[j][j] *= 1.0 + 1e-6;
 }
 
 /// Projects the linear terms from `first` to `last` out of all after them by a Cholesky factorization, row by
@@ -327,16 +333,18 @@ SectorEdge fit_sector(const SectorSamples& samples, int index, const OutlineShap
   const int degrees_of_freedom =
       static_cast<int>(samples.profile(index).intensity.size()) - kOwn - 2 * others - 2;
   if (degrees_of_freedom < kMinDegreesOfFreedom) return {};
-  const SectorTerms terms = terms_of(
-      samples, index, shape, std::span(chosen).first(static_cast<std::size_t>(others)), profiles, sigma_px);
+  const auto nearest = std::span(chosen).first(static_cast<std::size_t>(others));
+  const SectorTerms terms = terms_of(samples, index, shape, nearest, profiles, sigma_px);
   NormalEquations normal = products(terms);
   const double rise = rough_rise(normal);
   const auto free = normal.first_prior_term(), all = static_cast<std::size_t>(normal.linear);
   add_ridge(normal);
-  project(normal, 0, free);
-  const double noise2 = noise_of(normal, degrees_of_freedom);
+  NormalEquations freest = normal;
+  project(freest, 0, free);
+  const double noise2 = noise_of(freest, degrees_of_freedom);
+  add_neighbours_prior(normal, nearest, rise, noise2);
   add_limb_prior(normal, rise, noise2);
-  project(normal, free, all);
+  project(normal, 0, all);
   const Residuals residuals(normal, noise2);
   const auto shadow = residuals.shadow_depth(samples.window_px(), coarse);
   const bool rises = residuals.step() + residuals.root() * profiles.at(2.0 * sigma_px).root > 0.0;
@@ -348,6 +356,7 @@ SectorEdge fit_sector(const SectorSamples& samples, int index, const OutlineShap
     edge.no_edge = true;
   }
   edge.step = residuals.step();
+  edge.rise = residuals.step() + residuals.root();
   edge.rounding = residuals.root() * std::sqrt(sigma_px / samples.window_px());
   return edge;
 }

@@ -23,6 +23,7 @@ struct SectorEdge {
   double sigma_weight = 0.0;     ///< inverse variance of that change
   bool no_edge = false;          ///< intensity does not rise here though an edge would be visible
   double step = 0.0;             ///< rise of intensity at the limb
+  double rise = 0.0;             ///< likewise from there to the window's end
   double rounding = 0.0;         ///< likewise by its curvature over a blur's width
   double offset_by_sigma = 0.0;  ///< d(offset)/d(blur)
 };

@@ -57,6 +57,7 @@ struct OutlineShape {
   /// The perspective ellipse: semi-axes over the radius, their product 1, and the longer one's direction.
   double along = 1.0, across = 1.0;
   cv::Point2d axis{1.0, 0.0};
+  double rise = 0.0;  ///< of light over its limb; 0: not known
 
   /// Distance of the outline from the centre in the direction (c, s), a unit vector.
   double radius_towards(double c, double s) const {

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -139,9 +140,24 @@ TEST(Crowding, LeavesAnImageThatAnotherHidesByHalf) { LONGS_EQUAL(0, too_close(r
 TEST(Crowding, IsCertainWhereNoTrainHasSuchAnInterval) {
   // The second outline of one ball shares most of its limb.
   LONGS_EQUAL(1, too_close(row(308.0, 0.93)).size());
-  Row curved = row(308.0, 0.93);
-  curved.path.curved = true;
-  LONGS_EQUAL(0, too_close(curved).size());
+}
+
+TEST(Crowding, OnACurveIsNearnessAcrossThePictureAndOnIt) {
+  const auto curve = [](Row r) {
+    r.path.curved = true;
+    return r;
+  };
+  LONGS_EQUAL(1, too_close(curve(row(308.0, 0.93))).size());
+  LONGS_EQUAL(0, too_close(curve(row(330.0, 0.93))).size());
+  // Thrown up, and up and down: at the top the images are near each other, and there are steps as long across.
+  for (const double across_px : {100.0, 0.1}) {
+    Row thrown;
+    for (int k = -4; k <= 4; ++k) {
+      thrown.add(across_px * k, 0.6);
+      thrown.points.back().at.y = 80.0 * k * k;
+    }
+    LONGS_EQUAL(0, too_close(curve(thrown)).size());
+  }
 }
 
 TEST(Crowding, IsCertainWhereTheFlashesAreEven) {
@@ -324,6 +340,35 @@ TEST(LimbAgreement, IsABallsTheLikelierTheMoreOfItsOutlineIsSeen) {
     CHECK_TRUE(now > before);
     before = now;
   }
+}
+
+TEST(LimbAgreement, OfASecondOutlineOfABallIsNothingAsItsLimbIsTheBetterOnes) {
+  const auto painting = row_of_balls(5, 4, 0.12);
+  std::vector<Outline> outlines;
+  for (const auto& ball : painting.balls) {
+    outlines.push_back(outline_at(ball.centre));
+    outlines.back().visible_fraction = 0.9;
+    outlines.back().visible_arcs = {{0.0, 2.0 * std::numbers::pi}};
+  }
+  // Nearer all around than where light is sampled: 3.5 px at a blur of one.
+  outlines.push_back(outline_at(painting.balls[1].centre + cv::Point2d(2.0, -2.0)));
+  outlines.back().visible_fraction = 0.7;
+  outlines.back().visible_arcs = {{0.0, 2.0 * std::numbers::pi}};
+  const auto limbs = looked_at(painting, outlines);
+  DOUBLES_EQUAL(0.0, limbs.back().observed, 1e-9);
+  CHECK_TRUE(limbs.back().log_odds < -kCertainOdds);
+  for (std::size_t i = 0; i < painting.balls.size(); ++i) CHECK_TRUE(limbs[i].log_odds > kCertainOdds);
+}
+
+TEST(LimbAgreement, LosesTheDirectionsAloneInWhichTwoBallsLimbsCross) {
+  // 61 px apart, circles of 80 px cross at an angle of 40 degrees to the line between them, where 3.5 px on either side
+  // are 3.5 / (61 sin 40) rad: eight degrees of 360, twice, four directions of 72 on either, give or take one each.
+  const auto painting = row_of_balls(5, 2, 0.12);
+  const auto limbs =
+      looked_at(painting, {outline_at(painting.balls[0].centre), outline_at(painting.balls[1].centre)});
+  const double least = std::min(limbs[0].observed, limbs[1].observed);
+  DOUBLES_EQUAL(1.0, std::max(limbs[0].observed, limbs[1].observed), 1e-9);
+  DOUBLES_EQUAL(1.0 - 6.0 / 72.0, least, 2.1 / 72.0);
 }
 
 // A single ball in a lit room, beside furniture: arcs of the bright edges below it are more.

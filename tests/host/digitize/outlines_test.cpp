@@ -158,6 +158,23 @@ Photograph wide_view(const std::vector<cv::Point2d>& centres, int wall) {
 
 TEST_GROUP(Outlines){};
 
+TEST(Outlines, KnowByHowMuchLightRisesOverTheirLimb) {
+  // A disc of one brightness: .12 of the light from the lamp and .05 of that from everywhere. Slopes inside and outside
+  // are fitted as well, and leave it open by some hundredths: it is a scale of what to expect of a neighbour.
+  Painting painting;
+  painting.background = 0.05;
+  PaintedBall disc;
+  disc.centre = {320.0, 240.0};
+  disc.diameter_px = kOutline_px;
+  disc.light = 0.12;
+  disc.limb = 0.0;
+  painting.balls = {disc};
+  const auto found =
+      fit_outlines(paint(painting), PlaneMap::uncalibrated(painting.height), near_them(painting), settings());
+  CHECK_TRUE(found.outlines[0].has_value());
+  DOUBLES_EQUAL(0.12 * 1.05, found.outlines[0]->rise, 0.1 * 0.12);
+}
+
 TEST(Outlines, OfWhichLessThanHalfIsSeenInAWideLensCornerAreAsOvalAsTheOthers) {
   const std::vector<cv::Point2d> centres{{120, 580}, {230, 500}, {340, 420}, {460, 350},
                                          {570, 270}, {680, 190}, {770, 125}, {845, 60}};
