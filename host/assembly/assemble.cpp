@@ -172,7 +172,7 @@ AssembledShot unmatched(AssembledShot& shot, Flag flag, std::string problem) {
   return std::move(shot);
 }
 
-/// One that is a ball's by its looks contradicts the others.
+/// Flagged where it is a ball's by its looks: it then contradicts the others.
 void leave_out(std::size_t image, matching::Track& track, AssembledShot& shot) {
   const auto at = static_cast<std::ptrdiff_t>(image);
   if (track.images[image].probability > 0.5) shot.flags.set(Flag::outlier_image);

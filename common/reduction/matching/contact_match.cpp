@@ -29,7 +29,11 @@ double squared(double z) { return z * z; }
 constexpr double kExpectedMiss = 2.0;
 
 double is_ball(const TrackPoint& image) { return -2.0 * std::log(image.probability); }
-double is_no_ball(const TrackPoint& image) { return kExpectedMiss - 2.0 * std::log(1.0 - image.probability); }
+double is_no_ball(const TrackPoint& image) {
+  const bool certain = !(image.probability < 1.0);
+  return certain ? std::numeric_limits<double>::infinity()
+                 : kExpectedMiss - 2.0 * std::log(1.0 - image.probability);
+}
 
 /// Place along the surface: straight flight outside the contact, a cubic that keeps both ends' velocity
 /// within.

@@ -38,7 +38,7 @@ class ContactMatcher {
   /// What is given is kept, not copied.
   ContactMatcher(std::span<const TrackPoint> images, std::span<const double> times_s, const Track& track);
 
-  /// Of legs that are not empty: the penalty is not less with as many flashes between them.
+  /// A lower bound of the penalty with so many flashes between two legs.
   double least_penalty(int flashes) const;
 
   /// Valid until the next match.
