@@ -211,16 +211,16 @@ bool lies_on_likelier(std::size_t i, const std::vector<Outline>& outlines, const
   return false;
 }
 
-/// That it is a ball's: beside others the picture's other outlines and the path say nothing, as both are
+/// That it is a ball's. On a likelier one neither the picture's other outlines nor the path count: both are
 /// where the balls are whose arcs it may be made of.
-struct Likelihood {
+struct Posterior {
   double probability = 0.0;
-  bool enough = false;
+  bool accepted = false;
 };
 
-Likelihood likelihood_of(std::size_t i, const std::vector<Outline>& outlines, const std::vector<double>& odds,
-                         const LimbAgreement& limb, const SizeModel& size, const Photograph& photograph,
-                         const PlaneMap& map) {
+Posterior posterior_of(std::size_t i, const std::vector<Outline>& outlines, const std::vector<double>& odds,
+                       const LimbAgreement& limb, const SizeModel& size, const Photograph& photograph,
+                       const PlaneMap& map) {
   if (lies_on_likelier(i, outlines, odds)) {
     const double alone = probability(limb.log_odds + log_odds_of_size(outlines[i], size));
     return {alone, alone >= kLikely};
@@ -402,12 +402,12 @@ std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap
   std::vector<Outline> balls;
   std::vector<LimbAgreement> their_limbs;
   std::vector<double> their_odds;
-  std::vector<Likelihood> likelihoods;  // of each beside the others, all of which are still there
+  std::vector<Posterior> posteriors;  // of each beside the others, all of which are still there
   for (std::size_t i = 0; i < outlines.size(); ++i)
-    likelihoods.push_back(likelihood_of(i, outlines, odds, limbs[i], size, photograph, map));
+    posteriors.push_back(posterior_of(i, outlines, odds, limbs[i], size, photograph, map));
   for (std::size_t i = 0; i < outlines.size(); ++i) {
-    outlines[i].probability = likelihoods[i].probability;
-    if (!likelihoods[i].enough) {
+    outlines[i].probability = posteriors[i].probability;
+    if (!posteriors[i].accepted) {
       reject_unlikely(rejected, outlines[i], limbs[i], size);
       continue;
     }
